@@ -1,0 +1,74 @@
+"""Instructions and their graphs."""
+
+from __future__ import annotations
+
+from doro_schemas.graph import ObjectGraph
+from doro_schemas.messages.base import MAX_TEXT_CHARS, Message
+
+
+def check_text(text: str, what: str) -> None:
+    """Raise ValueError unless ``text`` says something and is not absurdly long."""
+    if not text.strip():
+        raise ValueError(f"the {what} is empty: say what is wanted, e.g. 'bring me the red cup'")
+    if len(text) > MAX_TEXT_CHARS:
+        raise ValueError(
+            f"the {what} has {len(text)} characters, at most {MAX_TEXT_CHARS} are taken:"
+            " say it in a sentence"
+        )
+
+
+class Instruction(Message, kw_only=True):
+    """What the person said. Plain UTF-8 on the same key becomes one of these."""
+
+    text: str
+
+    def __post_init__(self) -> None:
+        check_text(self.text, "instruction")
+
+
+class InstructionGraph(Message, kw_only=True):
+    """What nlu understood.
+
+    Attributes:
+        text: the instruction.
+        task: the verb phrase of the task ("bring"), empty where unknown.
+        tokens, labels: the tagger's sequence (BIO labels), of equal length.
+        graph: the input graph; None if not understood.
+        readings: other graphs the sentence may mean (an attachment that is open).
+        reason: why it was not understood; empty if it was.
+        confidence: lowest probability over the labels that made the graph, 0..1.
+    """
+
+    text: str
+    task: str = ""
+    tokens: list[str] = []
+    labels: list[str] = []
+    graph: ObjectGraph | None = None
+    readings: list[ObjectGraph] = []
+    reason: str = ""
+    confidence: float = 0.0
+
+
+class ParseRequest(Message, kw_only=True):
+    """A question to ``doro/nlu/parse``; plain UTF-8 text works as well."""
+
+    text: str
+    caption: bool = False
+
+    def __post_init__(self) -> None:
+        check_text(self.text, "text")
+
+
+class ParseReply(Message, kw_only=True):
+    """The parser's answer, fields as in :class:`InstructionGraph`."""
+
+    text: str
+    task: str = ""
+    tokens: list[str] = []
+    labels: list[str] = []
+    graph: ObjectGraph | None = None
+    readings: list[ObjectGraph] = []
+    reason: str = ""
+    confidence: float = 0.0
+
+

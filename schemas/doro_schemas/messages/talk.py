@@ -1,0 +1,94 @@
+"""What is said to the person and what comes back."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import msgspec
+
+from doro_schemas.graph import ObjectGraph
+from doro_schemas.messages.base import Message
+from doro_schemas.messages.language import check_text
+from doro_schemas.messages.map import Evidence
+
+State = Literal["CONFIRM", "INFORM-MISMATCH", "INFORM-AMBIGUITY", "INFORM-MISSING"]
+
+
+class Clause(msgspec.Struct, frozen=True):
+    """One described candidate of a query and what supports the words.
+
+    Attributes:
+        instance_ids: the instance, or several that nothing tells apart.
+        text: the words ("one red cup on top of the table").
+        graph: the attributes and relations that the words use, no others.
+        evidence, cells: frames, boxes and cells that support it.
+    """
+
+    instance_ids: list[str]
+    text: str
+    graph: ObjectGraph
+    evidence: list[Evidence] = []
+    cells: list[list[int]] = []
+
+
+class Query(Message, kw_only=True):
+    """The robot's question, or its confirmation.
+
+    Attributes:
+        dialogue_id: the dialogue it opens, ``<episode>/<number of the instruction>``.
+        revision: 0 at first; counts up when new evidence changes the decision.
+        instruction: the person's words.
+        input_graph: what was understood of them.
+        state: one of the paper's four.
+        reason: why this state, one word or phrase (``unique_match``, ``no_match``, ...).
+        text: what is said.
+        clauses: the candidates in the order of the text.
+        matches: ids of the instances for which all that was said holds.
+        instances: ids of all instances of the class.
+        unseen_share: share of the area not observed, 0..1.
+        map_digest: the map that it was decided on.
+    """
+
+    dialogue_id: str
+    revision: int = 0
+    instruction: str
+    input_graph: ObjectGraph
+    state: State
+    reason: str
+    text: str
+    clauses: list[Clause] = []
+    matches: list[str] = []
+    instances: list[str] = []
+    unseen_share: float = 0.0
+    map_digest: str = ""
+
+
+class Belief(Message, kw_only=True):
+    """The decision as it stands while frames stream."""
+
+    dialogue_id: str
+    state: State
+    reason: str
+    matches: list[str] = []
+    instances: list[str] = []
+    frames_merged: int = 0
+
+
+class Answer(Message, kw_only=True):
+    """The person's reply. Plain UTF-8 on the same key becomes one of these."""
+
+    text: str
+    dialogue_id: str = ""
+
+    def __post_init__(self) -> None:
+        check_text(self.text, "answer")
+
+
+class Target(Message, kw_only=True):
+    """The resolved instance: where the robot may go."""
+
+    dialogue_id: str
+    instance_id: str
+    graph: ObjectGraph
+    position_m: list[float]
+    extent_m: list[float]

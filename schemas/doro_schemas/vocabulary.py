@@ -1,0 +1,109 @@
+"""Canonical words: the one table in which two words mean the same thing.
+
+DESIGN, "Conventions of meaning": couch/sofa, gray/grey, wooden/wood, tv/television and
+fridge/refrigerator are the same; cup/mug, sofa/arm chair, watch/alarm clock and dark
+blue/light blue are not. A hypernym is satisfied by its kinds, not the reverse.
+"""
+
+from __future__ import annotations
+
+import re
+
+SAME_NAME = {
+    "couch": "sofa",
+    "settee": "sofa",
+    "tv": "television",
+    "tele": "television",
+    "telly": "television",
+    "tv monitor": "television",
+    "tvmonitor": "television",
+    "fridge": "refrigerator",
+    "armchair": "arm chair",
+    "cellphone": "cell phone",
+    "mobile phone": "cell phone",
+    "remote": "remote control",
+    "laptop computer": "laptop",
+    "trash can": "garbage can",
+    "trashcan": "garbage can",
+    "dustbin": "garbage can",
+    "houseplant": "house plant",
+    "potted plant": "house plant",
+    "pottedplant": "house plant",
+    "counter": "counter top",
+    "countertop": "counter top",
+    "nightstand": "night stand",
+    "diningtable": "dining table",
+    "motorbike": "motorcycle",
+    "aeroplane": "airplane",
+}
+SAME_VALUE = {
+    "grey": "gray",
+    "wooden": "wood",
+    "metallic": "metal",
+    "golden": "gold",
+    "woolen": "wool",
+    "woollen": "wool",
+    "leathery": "leather",
+    "glassy": "glass",
+    "plastics": "plastic",
+}
+IRREGULAR_PLURAL = {
+    "knives": "knife",
+    "shelves": "shelf",
+    "loaves": "loaf",
+    "leaves": "leaf",
+    "mice": "mouse",
+    "people": "person",
+    "children": "child",
+    "feet": "foot",
+    "teeth": "tooth",
+}
+NO_SINGULAR = frozenset(
+    "glass dress brass grass canvas bus gas lens compass mattress cactus chess scissors"
+    " glasses pants jeans tongs pliers binoculars headphones news series clothes"
+    " apparatus walrus plus less trellis iris tennis christmas stairs blinds keys".split()
+)
+
+
+def singular(word: str) -> str:
+    """Return the singular of one English noun; a word that is none comes back as it is."""
+    if word in IRREGULAR_PLURAL:
+        return IRREGULAR_PLURAL[word]
+    if word in NO_SINGULAR or len(word) < 4 or not word.endswith("s"):
+        return word
+    if word.endswith(("ss", "us", "is")):
+        return word
+    if word.endswith("ies") and len(word) > 5:
+        return word[:-3] + "y"
+    if re.search(r"(ss|sh|ch|x|zz|to)es$", word):
+        return word[:-2]
+    return word[:-1]
+
+
+def canonical_name(name: str) -> str:
+    """Return the canonical class name: lower case, singular head noun, one synonym."""
+    words = re.sub(r"[\s_]+", " ", name.strip().lower()).split(" ")
+    words[-1] = singular(words[-1])
+    text = " ".join(words)
+    return SAME_NAME.get(text, text)
+
+
+def canonical_value(value: str) -> str:
+    """Return the canonical form of an attribute's value ("dark grey" -> "dark gray")."""
+    words = re.sub(r"[\s_]+", " ", value.strip().lower()).split(" ")
+    return " ".join(SAME_VALUE.get(word, word) for word in words)
+
+
+def split_camel_case(object_type: str) -> str:
+    """Return AI2-THOR's objectType as words: ``"CoffeeTable"`` -> ``"coffee table"``."""
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", object_type).lower()
+
+
+def name_satisfies(said: str, seen: str) -> bool:
+    """Tell whether a thing called ``seen`` is what ``said`` names.
+
+    Equal canonical names satisfy; so does a kind of the thing said, where the kind's
+    name ends in it as whole words ("lamp" by "desk lamp"), never the reverse.
+    """
+    want, have = canonical_name(said), canonical_name(seen)
+    return want == have or have.endswith(" " + want)
