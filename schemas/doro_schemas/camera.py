@@ -104,7 +104,11 @@ def pose_from_ai2thor(
 
 
 def backproject(
-    u_px: NDArray[Any], v_px: NDArray[Any], depth_m: NDArray[Any], intrinsics: Intrinsics, pose: Pose
+    u_px: NDArray[Any],
+    v_px: NDArray[Any],
+    depth_m: NDArray[Any],
+    intrinsics: Intrinsics,
+    pose: Pose,
 ) -> NDArray[np.float64]:
     """Return world points, (..., 3) metres, of pixel positions with planar depth.
 
@@ -117,7 +121,8 @@ def backproject(
     x = (u_px - intrinsics.cx) / intrinsics.fx * depth_m
     y = (v_px - intrinsics.cy) / intrinsics.fy * depth_m
     camera = np.stack([x, y, np.broadcast_to(depth_m, x.shape)], axis=-1).astype(np.float64)
-    return camera @ pose.matrix().T + np.asarray(pose.position_m)
+    world: NDArray[np.float64] = camera @ pose.matrix().T + np.asarray(pose.position_m)
+    return world
 
 
 def project(

@@ -1,7 +1,7 @@
 """The one error type of the wire: a message, file or setting that is refused."""
 
 
-class Refused(ValueError):
+class Refused(ValueError):  # noqa: N818 - named for what happened, as in Rejected
     """Something from outside does not fit and is refused; nothing else is affected.
 
     The text is one sentence that says what is wrong, where, and what to do. At a

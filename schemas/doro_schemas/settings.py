@@ -14,9 +14,7 @@ from doro_schemas.errors import Refused
 T = TypeVar("T")
 
 
-def load_settings(
-    table: str, kind: type[T], path: Path | None, overrides: Sequence[str] = ()
-) -> T:
+def load_settings(table: str, kind: type[T], path: Path | None, overrides: Sequence[str] = ()) -> T:
     """Return the settings of one table.
 
     Args:

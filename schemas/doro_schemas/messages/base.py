@@ -47,7 +47,9 @@ class FrameMessage(Message, kw_only=True):
         if self.frame < 0:
             raise ValueError(f"frame numbers start at 0, got {self.frame}")
         if not self.camera or any(char in self.camera for char in "/*$#? "):
-            raise ValueError(f"camera '{self.camera}' is no key chunk: use letters, digits, - and _")
+            raise ValueError(
+                f"camera '{self.camera}' is no key chunk: use letters, digits, - and _"
+            )
         sides = (self.height_px, self.width_px)
         if not all(1 <= side <= MAX_IMAGE_SIDE_PX for side in sides):
             raise ValueError(f"image of {sides[0]}x{sides[1]} px: sides must be 1..8192")

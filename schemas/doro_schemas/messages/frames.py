@@ -33,7 +33,9 @@ class ColorFrame(FrameMessage, kw_only=True):
         if self.encoding == "rgb8" and self.data.shape != shape:
             raise ValueError(f"rgb8 data must have shape {shape}, got {self.data.shape}")
         if self.encoding != "rgb8" and (self.data.ndim != 1 or self.data.size == 0):
-            raise ValueError(f"{self.encoding} data must be the file's bytes, got {self.data.shape}")
+            raise ValueError(
+                f"{self.encoding} data must be the file's bytes, got {self.data.shape}"
+            )
 
 
 class DepthFrame(FrameMessage, kw_only=True):

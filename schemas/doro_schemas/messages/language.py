@@ -70,5 +70,3 @@ class ParseReply(Message, kw_only=True):
     readings: list[ObjectGraph] = []
     reason: str = ""
     confidence: float = 0.0
-
-

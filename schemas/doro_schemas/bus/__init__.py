@@ -1,0 +1,7 @@
+"""The bus: the only importer of zenoh. See :class:`Bus`; settings in :class:`BusSettings`."""
+
+from doro_schemas.bus.config import BusSettings
+from doro_schemas.bus.router import run_router
+from doro_schemas.bus.session import Bus, RawSample, Request
+
+__all__ = ["Bus", "BusSettings", "RawSample", "Request", "run_router"]
