@@ -1,0 +1,73 @@
+"""The one interface of a detector that looks at images; one file per backend."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+RgbImage = NDArray[np.uint8]
+"""uint8 (height, width, 3), RGB, row 0 on top."""
+
+Box = tuple[float, float, float, float]
+"""``(xmin, ymin, xmax, ymax)``, edges, pixels."""
+
+
+class Detection(msgspec.Struct, frozen=True):
+    """One thing that a backend sees.
+
+    Attributes:
+        box_px: edges in pixels; may stand out of the image, the core clips it.
+        score: 0..1.
+        name: canonical class name ("dining table").
+        classes: (name, share) of the likeliest classes, best first; shares sum to at most 1.
+    """
+
+    box_px: Box
+    score: float
+    name: str
+    classes: tuple[tuple[str, float], ...] = ()
+
+
+class DetectionBackend(Protocol):
+    """Finds things in one image. No state between calls: equal pixels, equal detections."""
+
+    def detect(self, rgb: RgbImage) -> list[Detection]:
+        """Return the detections of ``rgb``, best score first.
+
+        Args:
+            rgb: uint8 (height, width, 3).
+        """
+        ...
+
+
+def clip_box(box_px: Box | list[float], height_px: int, width_px: int) -> list[float]:
+    """Return the part of a box inside the image, ``[xmin, ymin, xmax, ymax]``; may be empty."""
+    xmin, ymin, xmax, ymax = box_px
+    return [
+        min(max(float(xmin), 0.0), float(width_px)),
+        min(max(float(ymin), 0.0), float(height_px)),
+        min(max(float(xmax), 0.0), float(width_px)),
+        min(max(float(ymax), 0.0), float(height_px)),
+    ]
+
+
+def big_enough(box_px: list[float], min_side_px: float, min_area_px: float) -> bool:
+    """Tell whether a box has an area and is at least this large; false for NaN."""
+    width, height = box_px[2] - box_px[0], box_px[3] - box_px[1]
+    side = min(width, height)
+    return side > 0 and side >= min_side_px and width * height >= min_area_px
+
+
+def intersection_over_union(box: NDArray[Any], boxes: NDArray[Any]) -> NDArray[np.float64]:
+    """Return the IoU of ``box`` (4,) with each of ``boxes`` (n, 4); edges, any unit."""
+    low = np.maximum(box[:2], boxes[:, :2])
+    high = np.minimum(box[2:], boxes[:, 2:])
+    common = np.clip(high - low, 0.0, None).prod(axis=1)
+    area = float(np.prod(box[2:] - box[:2]))
+    areas = (boxes[:, 2:] - boxes[:, :2]).prod(axis=1)
+    union = area + areas - common
+    result: NDArray[np.float64] = common / np.maximum(union, 1e-12)
+    return result

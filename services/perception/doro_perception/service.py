@@ -1,0 +1,28 @@
+"""The shell of perception: subscribes to what the chosen backend needs."""
+
+from __future__ import annotations
+
+from doro_schemas.messages import ColorFrame, SimDetections
+from doro_schemas.runner import Shell, run_service
+
+from doro_perception.core import Perception
+from doro_perception.onnx_ssd import OnnxSsd
+from doro_perception.settings import PerceptionSettings
+
+
+def wire(shell: Shell, settings: PerceptionSettings) -> None:
+    """Connect the core to its topics; a detector is loaded and warmed up before this returns."""
+    if settings.backend == "oracle":
+        core = Perception(settings)
+        shell.on(SimDetections, core.sim_detections)
+    else:
+        detector = OnnxSsd(settings)
+        detector.warm_up()
+        core = Perception(settings, detector)
+        shell.on(ColorFrame, core.color_frame)
+    shell.counters(lambda: core.counters)
+
+
+def main() -> None:
+    """Run the service until SIGTERM."""
+    run_service("perception", PerceptionSettings, wire)

@@ -1,0 +1,100 @@
+"""Settings of perception: the table ``[perception]``."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import msgspec
+
+STRUCTURE = (
+    "Ceiling",
+    "Door",
+    "Doorframe",
+    "Doorway",
+    "Floor",
+    "Room",
+    "Wall",
+    "Window",
+)
+NOT_HOUSEHOLD = (
+    "airplane",
+    "bear",
+    "bench",
+    "bicycle",
+    "bird",
+    "boat",
+    "bus",
+    "car",
+    "cow",
+    "elephant",
+    "fire hydrant",
+    "giraffe",
+    "horse",
+    "kite",
+    "motorcycle",
+    "parking meter",
+    "person",
+    "sheep",
+    "skateboard",
+    "skis",
+    "snowboard",
+    "stop sign",
+    "surfboard",
+    "tie",
+    "traffic light",
+    "train",
+    "truck",
+    "zebra",
+)
+
+
+class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What perception may be told.
+
+    Attributes:
+        backend: ``oracle`` says what the simulator knows; ``onnx`` looks at the images.
+        emit: ``captions`` (English) or ``graphs``.
+        min_side_px, min_area_px: smaller boxes are left out (after clipping to the image).
+        leave_out: AI2-THOR objectTypes that the oracle never reports; they stay landmarks.
+        relation_joiner: word between two relations of an oracle's caption ("and"), or empty.
+        model: path of another model file with the same inputs and outputs; empty: the one
+            that comes with the package. Its classes stand in ``coco_classes.txt`` beside it.
+        threads: of onnxruntime.
+        score_threshold: detections below it are dropped.
+        class_thresholds: other thresholds by canonical class name.
+        nms_iou: of two boxes that overlap more, of whatever class, the better one stays.
+        max_area_share: boxes over more of the image are dropped: on bare floors and walls the
+            detector sees a bed or a table as large as the image.
+        flip: look at the mirrored image as well.
+        tiles: look at 2 x 2 overlapping tiles as well (small and far things).
+        onnx_leave_out: canonical names of classes that the detector is not to report.
+        top_classes: length of the class distribution that goes with each detection.
+        colour: name the colour of each crop.
+    """
+
+    backend: Literal["oracle", "onnx"] = "oracle"
+    emit: Literal["captions", "graphs"] = "captions"
+    min_side_px: float = 6.0
+    min_area_px: float = 50.0
+    leave_out: tuple[str, ...] = STRUCTURE
+    relation_joiner: Literal["", "and"] = ""
+    model: str = ""
+    threads: int = 1
+    score_threshold: float = 0.3
+    class_thresholds: dict[str, float] = {}
+    nms_iou: float = 0.55
+    max_area_share: float = 0.4
+    flip: bool = False
+    tiles: bool = False
+    onnx_leave_out: tuple[str, ...] = NOT_HOUSEHOLD
+    top_classes: int = 5
+    colour: bool = True
+
+    def __post_init__(self) -> None:
+        shares = (self.score_threshold, self.nms_iou, self.max_area_share)
+        if not all(0.0 <= share <= 1.0 for share in [*shares, *self.class_thresholds.values()]):
+            raise ValueError("thresholds, nms_iou and max_area_share must be in 0..1")
+        if not 1 <= self.threads <= 64:
+            raise ValueError(f"threads must be in 1..64, got {self.threads}")
+        if self.min_side_px < 0 or self.min_area_px < 0 or self.top_classes < 0:
+            raise ValueError("min_side_px, min_area_px and top_classes must not be negative")
