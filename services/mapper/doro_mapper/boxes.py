@@ -1,0 +1,70 @@
+"""Distances between 3-D boxes, and overlaps of image boxes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from doro_mapper.views import Floats
+
+REACH = 1.3
+MARGIN_M = 0.10
+MARGIN_PER_M = 0.015
+CONTAINED = 0.5
+CONTAINED_SLACK_M = 0.03
+
+
+@dataclass(frozen=True, slots=True)
+class Boxes:
+    """n boxes in map axes: centre, low and high corners, each (n, 3) metres."""
+
+    center_m: Floats
+    low_m: Floats
+    high_m: Floats
+
+
+def distance(a: Boxes, b: Boxes, range_m: Floats) -> Floats:
+    """Return the normalised distance (n, m) of boxes ``a`` measured at ``range_m`` (n,) to ``b``.
+
+    The smaller of two: centre distance ``sqrt((dh/(1.3 r_h + m))^2 + (dv/(1.3 r_v + m))^2)``
+    with the larger half extents and m = 0.10 + 0.015 range, and ``0.5 + 1 - share`` where
+    share of ``a`` lies inside ``b``. Below 1 is near.
+    """
+    size_a, size_b = a.high_m - a.low_m, b.high_m - b.low_m
+    offset = np.abs(a.center_m[:, None] - b.center_m[None])
+    horizontal = np.hypot(offset[..., 0], offset[..., 1])
+    half_h = 0.5 * np.maximum(size_a[:, :2].max(1)[:, None], size_b[:, :2].max(1)[None])
+    half_v = 0.5 * np.maximum(size_a[:, 2][:, None], size_b[:, 2][None])
+    margin = (MARGIN_M + MARGIN_PER_M * range_m)[:, None]
+    centered = np.hypot(
+        horizontal / (REACH * half_h + margin), offset[..., 2] / (REACH * half_v + margin)
+    )
+    slack = np.minimum(margin[..., None], CONTAINED_SLACK_M)
+    low_a, high_a = a.low_m[:, None] - 0.01, a.high_m[:, None] + 0.01
+    overlap = np.minimum(high_a, b.high_m[None] + slack) - np.maximum(low_a, b.low_m[None] - slack)
+    share = np.prod(np.clip(overlap, 0, None) / (high_a - low_a), axis=-1)
+    out: Floats = np.minimum(centered, CONTAINED + 1 - share)
+    return out
+
+
+def covered(boxes: Floats, others: Floats) -> tuple[Floats, Floats]:
+    """Return, row by row, intersection over the smaller image box, and the ratio of areas.
+
+    Args:
+        boxes, others: (n, 4) pixels, or broadcastable to it.
+    """
+    wide = np.minimum(boxes[..., 2], others[..., 2]) - np.maximum(boxes[..., 0], others[..., 0])
+    tall = np.minimum(boxes[..., 3], others[..., 3]) - np.maximum(boxes[..., 1], others[..., 1])
+    area = (boxes[..., 2] - boxes[..., 0]) * (boxes[..., 3] - boxes[..., 1])
+    other = (others[..., 2] - others[..., 0]) * (others[..., 3] - others[..., 1])
+    inter = np.clip(wide, 0, None) * np.clip(tall, 0, None)
+    return inter / np.maximum(1.0, np.minimum(area, other)), area / np.maximum(1.0, other)
+
+
+def iou(a: tuple[float, ...], b: tuple[float, ...]) -> float:
+    """Return intersection over union of two image boxes."""
+    wide = max(0.0, min(a[2], b[2]) - max(a[0], b[0]))
+    tall = max(0.0, min(a[3], b[3]) - max(a[1], b[1]))
+    both = (a[2] - a[0]) * (a[3] - a[1]) + (b[2] - b[0]) * (b[3] - b[1])
+    return wide * tall / (both - wide * tall)

@@ -1,0 +1,119 @@
+"""Relations of instances: computed between their boxes, and voted from captions."""
+
+from __future__ import annotations
+
+import numpy as np
+from doro_schemas.graph import ObjectGraph, Relation, identity
+from doro_schemas.spatial import NEAR_M, Box3, gap_m, relation_between
+
+from doro_mapper.finder import Found, names_agree
+from doro_mapper.settings import MapperSettings
+from doro_mapper.track import ranked
+
+ORDER = ("is-on", "is-at", "is-near")
+
+
+def box_of(found: Found) -> Box3:
+    """Return the instance's box in (ground, ground, up) order, metres."""
+    center = (found.low_m + found.high_m) / 2
+    size = found.high_m - found.low_m
+    return Box3(
+        (float(center[0]), float(center[1]), float(center[2])),
+        (float(size[0]), float(size[1]), float(size[2])),
+    )
+
+
+def spatial_relations(
+    instances: list[Found], graphs: list[ObjectGraph], max_near: int
+) -> list[list[Relation]]:
+    """Return by instance what holds between it and the others.
+
+    The closest thing it is on, the closest it is at, and up to ``max_near`` different nearest
+    ones. A thing of its own class is a landmark for is-near only. Landmarks carry class and
+    attributes, no relations of their own.
+    """
+    boxes = [box_of(found) for found in instances]
+    if not boxes:
+        return []
+    low = np.array([[box.low(0), box.low(1)] for box in boxes])
+    high = np.array([[box.high(0), box.high(1)] for box in boxes])
+    apart = np.maximum(low[:, None] - high[None], low[None] - high[:, None]).max(-1)
+    out = []
+    for i, box in enumerate(boxes):
+        options: dict[str, list[tuple[float, float, int]]] = {kind: [] for kind in ORDER}
+        for j in np.flatnonzero(apart[i] <= NEAR_M).tolist():
+            kind = relation_between(box, boxes[j]) if j != i else None
+            if kind is None or (kind != "is-near" and graphs[i].name == graphs[j].name):
+                continue
+            gap = float(np.hypot(gap_m(box, boxes[j], 0), gap_m(box, boxes[j], 1)))
+            if kind == "is-on":
+                gap = abs(box.low(2) - boxes[j].high(2))
+            center = np.subtract(box.center_m, boxes[j].center_m)
+            options[kind].append((round(gap, 4), round(float(np.linalg.norm(center)), 4), j))
+        out.append(_chosen(options, graphs, max_near))
+    return out
+
+
+def _chosen(
+    options: dict[str, list[tuple[float, float, int]]], graphs: list[ObjectGraph], max_near: int
+) -> list[Relation]:
+    """Return the closest landmarks of each kind; equal landmarks once."""
+    out = []
+    named: set[str] = set()
+    for kind in ORDER:
+        left = max_near if kind == "is-near" else 1
+        for *_, j in sorted(options[kind]):
+            key = identity(graphs[j])
+            if left and key not in named:
+                named.add(key)
+                left -= 1
+                out.append(Relation(kind, graphs[j]))
+    return out
+
+
+def captioned_relations(found: Found, share: float) -> list[Relation]:
+    """Return the relations that at least ``share`` of the views' captions state.
+
+    Relations vary by view, so one view among several is not enough. The landmark's attributes
+    are those most often stated.
+    """
+    said: dict[tuple[str, str], set[int]] = {}
+    variants: dict[tuple[str, str], dict[str, float]] = {}
+    graphs: dict[str, ObjectGraph] = {}
+    for sighting, weight in zip(found.sightings, found.weights, strict=True):
+        for relation in sighting.graph.relations:
+            key = (relation.type, relation.target.name)
+            said.setdefault(key, set()).add(sighting.serial)
+            text = identity(relation.target)
+            graphs[text] = ObjectGraph(relation.target.name, relation.target.attributes)
+            votes = variants.setdefault(key, {})
+            votes[text] = votes.get(text, 0.0) + weight
+    least = min(2, found.hits)
+    kept = [key for key, serials in said.items() if len(serials) >= max(least, share * found.hits)]
+    kept.sort(key=lambda key: (-len(said[key]), key))
+    return [Relation(key[0], graphs[ranked(variants[key])[0]]) for key in kept]
+
+
+def relations_of(
+    instances: list[Found], graphs: list[ObjectGraph], settings: MapperSettings
+) -> list[list[Relation]]:
+    """Return by instance its relations: is-on, is-at, is-near; measured before captioned.
+
+    A captioned relation that a measured one of its type already states, for the same class of
+    landmark, is left out.
+    """
+    measured = spatial_relations(instances, graphs, settings.max_near)
+    out = []
+    for found, own in zip(instances, measured, strict=True):
+        stated = [
+            relation
+            for relation in captioned_relations(found, settings.relation_share)
+            if not any(
+                relation.type == r.type and names_agree(relation.target.name, r.target.name)
+                for r in own
+            )
+        ]
+        everything = own + stated
+        rank = {kind: i for i, kind in enumerate(ORDER)}
+        out.append(sorted(everything, key=lambda r: rank.get(r.type, len(ORDER))))
+    return out

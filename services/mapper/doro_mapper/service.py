@@ -1,0 +1,31 @@
+"""The mapper's shell: which message goes to which method of the core."""
+
+from __future__ import annotations
+
+from doro_schemas.messages import (
+    DepthFrame,
+    Exploration,
+    FrameGraphs,
+    GridRequest,
+    InstancesRequest,
+)
+from doro_schemas.runner import Shell, run_service
+
+from doro_mapper.core import Mapper
+from doro_mapper.settings import MapperSettings
+
+
+def wire(shell: Shell, settings: MapperSettings) -> None:
+    """Connect the core to its messages."""
+    core = Mapper(settings)
+    shell.on(DepthFrame, core.depth_frame)
+    shell.on(FrameGraphs, core.frame_graphs)
+    shell.on(Exploration, core.exploration)
+    shell.answer(InstancesRequest, core.instances)
+    shell.answer(GridRequest, core.grid)
+    shell.counters(lambda: core.counters)
+
+
+def main() -> None:
+    """Run the service until it is told to stop."""
+    run_service("mapper", MapperSettings, wire)

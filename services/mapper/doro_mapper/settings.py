@@ -1,0 +1,60 @@
+"""Settings of the mapper; every field can be set in the table ``[mapper]``."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import msgspec
+
+
+class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
+    """What may be tuned. Defaults are the study's (five bedrooms, then frozen).
+
+    Attributes:
+        finder: method that tells instances apart: ``tracks`` (object tracks with negative
+            evidence) or ``grid`` (the paper's regions over the hash maps, corrected).
+        cell_m, band_m: edge of a ground cell and height of a band.
+        sigma: width of the soft mask as a fraction of the box side.
+        samples: pixels looked at per side of a box.
+        min_box_px: boxes with a shorter side are ignored.
+        duplicate_iou: two boxes of one class in one frame that overlap more and lie in one
+            place are one thing.
+        max_depth_m: farther depth is not used.
+        max_pending_frames: frames that wait for their other half; the oldest goes first.
+        max_views: frames remembered for negative evidence; the oldest is forgotten first.
+        max_cells: cells of the map; further ones are counted and left out.
+        coverage_cell_m: edge of the squares in which unseen area is counted.
+        min_hits: views that make an instance.
+        min_hit_share: least hits / (hits + misses) of an instance.
+        few_views: below so many frames one view without a miss makes an instance.
+        max_evidence: views listed per instance.
+        relation_share: share of its views in which a captioned relation must occur.
+        max_near: is-near landmarks listed per instance.
+    """
+
+    finder: Literal["tracks", "grid"] = "tracks"
+    cell_m: float = 0.05
+    band_m: float = 0.10
+    sigma: float = 0.25
+    samples: int = 24
+    min_box_px: float = 3.0
+    duplicate_iou: float = 0.7
+    max_depth_m: float = 20.0
+    max_pending_frames: int = 64
+    max_views: int = 4000
+    max_cells: int = 500_000
+    coverage_cell_m: float = 0.25
+    min_hits: int = 2
+    min_hit_share: float = 0.25
+    few_views: int = 40
+    max_evidence: int = 5
+    relation_share: float = 0.3
+    max_near: int = 3
+
+    def __post_init__(self) -> None:
+        lengths = (self.cell_m, self.band_m, self.sigma, self.coverage_cell_m, self.max_depth_m)
+        if min(lengths) <= 0:
+            raise ValueError("cell_m, band_m, sigma, coverage_cell_m and max_depth_m must be > 0")
+        bounds = (self.samples, self.max_pending_frames, self.max_views, self.max_cells)
+        if min(bounds) < 1 or self.min_hits < 1:
+            raise ValueError("samples, min_hits and all max_... counts must be at least 1")
