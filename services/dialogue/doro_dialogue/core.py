@@ -1,0 +1,278 @@
+"""The dialogue as a state machine over messages: no clock, no bus, no randomness.
+
+An instruction waits until the exploration of the current episode is finished; then the map
+is asked for the instances of its class, and the reply becomes a Query. Later deltas ask
+again, and a changed decision becomes a revised Query. While frames stream, a Belief says
+how the decision stands. Every instruction is a dialogue of its own.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import msgspec
+from doro_schemas.effects import Ask, Output, Unanswered
+from doro_schemas.errors import Refused
+from doro_schemas.graph import ObjectGraph
+from doro_schemas.messages import (
+    Exploration,
+    GridDelta,
+    Instances,
+    InstancesRequest,
+    InstructionGraph,
+    Query,
+)
+
+from doro_dialogue.facts import check_depth, name_of
+from doro_dialogue.settings import DialogueSettings
+from doro_dialogue.talk import belief_of, decide_on, query_of, same_decision
+
+MAX_DIALOGUES = 200
+UNNAMED_EPISODE = "episode"
+COUNTERS = (
+    *("instructions", "not_understood", "deltas", "other_episode"),
+    *("asks", "unanswered", "unexpected_replies", "beliefs", "queries", "revisions"),
+)
+
+
+class Talk(msgspec.Struct, kw_only=True):
+    """One instruction and how far its dialogue is.
+
+    Attributes:
+        instruction, graph: what was said and understood.
+        number: ordinal within its episode, from 1; 0 while no episode has taken it up.
+        query: the latest published, None while undecided.
+        asked: requests on their way for it.
+        stale: the map changed while one was on its way.
+        short_replies: replies in a row that lacked the last frame and brought nothing new.
+        frames_merged: frames in the map of the latest reply.
+    """
+
+    instruction: InstructionGraph
+    graph: ObjectGraph
+    number: int = 0
+    query: Query | None = None
+    asked: int = 0
+    stale: bool = False
+    short_replies: int = 0
+    frames_merged: int = -1
+
+
+class Pending(msgspec.Struct, kw_only=True):
+    """A request on its way: for which dialogue, for what, and the stamp of its cause."""
+
+    talk: Talk
+    purpose: Literal["decide", "belief"]
+    stamp_ns: int
+
+
+class Dialogue:
+    """The core of the dialogue service."""
+
+    def __init__(self, settings: DialogueSettings) -> None:
+        self._settings = settings
+        self._talks: list[Talk] = []
+        self._pending: list[Pending] = []
+        self._episode = ""
+        self._phase: Literal["none", "started", "finished"] = "none"
+        self._finished = Exploration(state="finished")
+        self._taken_up = 0
+        self._deltas = 0
+        self.counters: dict[str, int] = dict.fromkeys(COUNTERS, 0)
+
+    def instruction_graph(self, message: InstructionGraph) -> list[Output]:
+        """Open a dialogue; after the end of the exploration the map is asked at once.
+
+        Raises:
+            Refused: the graph nests too deep, or too many dialogues are open.
+        """
+        if message.graph is None:
+            # nlu has told the operator why; there is nothing to decide.
+            self.counters["not_understood"] += 1
+            return []
+        check_depth(message.graph, f"the instruction '{message.text}'")
+        if len(self._talks) >= MAX_DIALOGUES:
+            raise Refused(
+                f"{MAX_DIALOGUES} instructions are open already and '{message.text}' is not taken:"
+                " start a new episode",
+                episode=message.episode,
+            )
+        self.counters["instructions"] += 1
+        self._talks.append(Talk(instruction=message, graph=message.graph))
+        self._take_up()
+        return self._decide_open(message.stamp_ns) if self._phase == "finished" else []
+
+    def exploration(self, message: Exploration) -> list[Output]:
+        """Begin an episode, or ask the map for the decision of every waiting instruction."""
+        other = message.episode not in ("", self._episode)
+        if message.state == "started" or other or self._phase == "none":
+            self._begin(message.episode)
+        if message.state == "started":
+            return []
+        self._phase, self._finished = "finished", message
+        for talk in self._talks:
+            talk.short_replies = 0
+            talk.stale = talk.query is not None
+        return self._decide_open(message.stamp_ns)
+
+    def grid_delta(self, message: GridDelta) -> list[Output]:
+        """Follow the map: a Belief now and then while exploring, a new look after its end."""
+        if message.episode not in ("", self._episode) or self._phase == "none":
+            self.counters["other_episode"] += 1
+            return []
+        if message.reset:
+            return []
+        self.counters["deltas"] += 1
+        self._deltas += 1
+        if self._phase == "finished":
+            for talk in self._talks:
+                talk.stale = True
+            return self._decide_open(message.stamp_ns)
+        if self._deltas % self._settings.belief_every_frames:
+            return []
+        return [self._ask(talk, "belief", message.stamp_ns) for talk in self._of_episode()]
+
+    def instances(self, message: Instances) -> list[Output]:
+        """Take the map's reply: decide the dialogue that asked first for this class.
+
+        Raises:
+            Refused: an instance graph nests too deep, or two instances have one id.
+        """
+        pending = self._take_pending(message.name)
+        if pending is None:
+            self.counters["unexpected_replies"] += 1
+            return []
+        try:
+            if pending.purpose == "belief":
+                return self._believe(pending, message)
+            return self._decide(pending, message)
+        except Refused as refused:
+            # Requests that the shell has not put yet are lost with the refusal.
+            self._forget_pending()
+            raise Refused(refused.reason, episode=self._episode) from refused
+
+    def unanswered(self, message: Unanswered) -> list[Output]:
+        """Keep the dialogues waiting; the next delta, exploration or instruction asks again.
+
+        Raises:
+            Refused: always, for the operator.
+        """
+        self.counters["unanswered"] += 1
+        waiting = sum(talk.query is None for talk in self._of_episode())
+        self._forget_pending()
+        raise Refused(
+            f"{message.reason.rstrip('.')}; {waiting} instruction(s) wait for the map"
+            " and it is asked again with the next frame, exploration or instruction",
+            episode=self._episode,
+        )
+
+    def _begin(self, episode: str) -> None:
+        """Start an episode: what was decided is over, what waits goes with it."""
+        self._episode, self._phase = episode, "started"
+        self._taken_up = self._deltas = 0
+        self._pending.clear()
+        self._talks = [
+            Talk(instruction=talk.instruction, graph=talk.graph, number=-1 if talk.number else 0)
+            for talk in self._talks
+            if talk.query is None
+        ]
+        self._take_up()
+
+    def _take_up(self) -> None:
+        """Number the instructions that belong to the current episode, in order."""
+        if self._phase == "none":
+            return
+        for talk in self._talks:
+            # One that an earlier episode left undecided (-1) goes with the current one.
+            named = talk.instruction.episode
+            if talk.number < 0 or (talk.number == 0 and named in ("", self._episode)):
+                self._taken_up += 1
+                talk.number = self._taken_up
+
+    def _of_episode(self) -> list[Talk]:
+        return [talk for talk in self._talks if talk.number > 0]
+
+    def _decide_open(self, stamp_ns: int) -> list[Output]:
+        """Ask for every dialogue that is undecided or stale and has no request on its way."""
+        return [
+            self._ask(talk, "decide", stamp_ns)
+            for talk in self._of_episode()
+            if talk.asked == 0 and (talk.query is None or talk.stale)
+        ]
+
+    def _ask(self, talk: Talk, purpose: Literal["decide", "belief"], stamp_ns: int) -> Ask:
+        self.counters["asks"] += 1
+        if purpose == "decide":
+            talk.asked += 1
+            talk.stale = False
+        self._pending.append(Pending(talk=talk, purpose=purpose, stamp_ns=stamp_ns))
+        name = talk.graph.name
+        return Ask(InstancesRequest(name=name, episode=self._episode, stamp_ns=stamp_ns))
+
+    def _take_pending(self, name: str) -> Pending | None:
+        """Return the oldest request for a class; replies come in the order of requests."""
+        for i, pending in enumerate(self._pending):
+            if name_of(pending.talk.graph.name) == name_of(name):
+                return self._pending.pop(i)
+        return None
+
+    def _forget_pending(self) -> None:
+        for pending in self._pending:
+            if pending.purpose == "decide":
+                pending.talk.asked = 0
+                pending.talk.stale = True
+        self._pending.clear()
+
+    def _believe(self, pending: Pending, reply: Instances) -> list[Output]:
+        decision = decide_on(pending.talk.graph, reply, self._settings)
+        self.counters["beliefs"] += 1
+        belief = belief_of(decision, reply, self._id_of(pending.talk), self._episode)
+        return [msgspec.structs.replace(belief, stamp_ns=pending.stamp_ns)]
+
+    def _decide(self, pending: Pending, reply: Instances) -> list[Output]:
+        """Publish the first query, or a revised one if the decision changed."""
+        talk, stamp_ns = pending.talk, pending.stamp_ns
+        talk.asked -= 1
+        again: list[Output] = []
+        if self._wait_for_map(talk, reply):
+            return [self._ask(talk, "decide", stamp_ns)]
+        if talk.stale:
+            again = [self._ask(talk, "decide", stamp_ns)]
+        decision = decide_on(talk.graph, reply, self._settings)
+        name = self._id_of(talk)
+        query = query_of(
+            decision,
+            talk.instruction,
+            reply,
+            self._settings,
+            dialogue_id=name,
+            episode=self._episode,
+        )
+        before = talk.query
+        if before is None:
+            # The moment it is about is the end of the exploration, in every replay the same.
+            stamp_ns = self._finished.stamp_ns
+            self.counters["queries"] += 1
+        elif same_decision(before, query):
+            return again
+        else:
+            self.counters["revisions"] += 1
+        revision = 0 if before is None else before.revision + 1
+        talk.query = msgspec.structs.replace(query, stamp_ns=stamp_ns, revision=revision)
+        return [talk.query, *again]
+
+    def _wait_for_map(self, talk: Talk, reply: Instances) -> bool:
+        """Tell whether to ask again since the map still lacks the last frame.
+
+        Bounded: a frame that was lost on the way must not silence the dialogue.
+        """
+        last = self._finished.frames - 1
+        if talk.query is not None or max(reply.last_frame, reply.frames_merged - 1) >= last:
+            return False
+        grew = reply.frames_merged > talk.frames_merged
+        talk.frames_merged = reply.frames_merged
+        talk.short_replies = 0 if grew else talk.short_replies + 1
+        return talk.short_replies < self._settings.settle_asks
+
+    def _id_of(self, talk: Talk) -> str:
+        return f"{self._episode or UNNAMED_EPISODE}/{talk.number}"

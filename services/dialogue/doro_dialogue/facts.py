@@ -1,0 +1,121 @@
+"""Single facts of an object graph, their order, and graphs built from chosen facts."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from functools import lru_cache
+
+import msgspec
+from doro_schemas.errors import Refused
+from doro_schemas.graph import MAX_DEPTH, ObjectGraph, Relation
+from doro_schemas.vocabulary import canonical_name, canonical_value
+
+COLOR, MATERIAL = "color", "material"
+IS_ON, IS_AT, IS_NEAR = "is-on", "is-at", "is-near"
+ATTRIBUTE_ORDER = (COLOR, MATERIAL)
+RELATION_ORDER = (IS_ON, IS_AT, IS_NEAR)
+WORDS_CACHED = 4096
+
+name_of = lru_cache(WORDS_CACHED)(canonical_name)
+value_of = lru_cache(WORDS_CACHED)(canonical_value)
+
+
+def words(text: str) -> frozenset[str]:
+    """Return the words of a table line as a set for look-ups (never iterated)."""
+    return frozenset(text.split())
+
+
+class Attribute(msgspec.Struct, frozen=True):
+    """One self attribute: its type and its value."""
+
+    type: str
+    value: str
+
+
+Fact = Attribute | Relation
+
+
+class Candidate(msgspec.Struct, frozen=True):
+    """An instance as the decision sees it: its id and its graph."""
+
+    id: str
+    graph: ObjectGraph
+
+
+def rank(fact: Fact) -> tuple[int, str]:
+    """Return the place of a fact in the documented order.
+
+    color, material, other attributes, is-on, is-at, is-near, other relations; types that
+    share a place are ordered by name.
+    """
+    attribute = isinstance(fact, Attribute)
+    order = ATTRIBUTE_ORDER if attribute else RELATION_ORDER
+    place = order.index(fact.type) if fact.type in order else len(order)
+    return (place if attribute else 10 + place, fact.type)
+
+
+def facts_of(graph: ObjectGraph) -> list[Fact]:
+    """Return a graph's own facts in the documented order; equal types keep their order."""
+    facts: list[Fact] = [Attribute(key, value) for key, value in graph.attributes.items()]
+    return sorted([*facts, *graph.relations], key=rank)
+
+
+def graph_with(name: str, facts: Iterable[Fact]) -> ObjectGraph:
+    """Return the graph that has exactly these facts, in the documented order."""
+    ordered = sorted(facts, key=rank)
+    return ObjectGraph(
+        name=name,
+        attributes={fact.type: fact.value for fact in ordered if isinstance(fact, Attribute)},
+        relations=[fact for fact in ordered if isinstance(fact, Relation)],
+    )
+
+
+def place_of(graph: ObjectGraph) -> Relation | None:
+    """Return the relation that says best where a thing is: is-on, then is-at, then is-near."""
+    relations = [fact for fact in facts_of(graph) if isinstance(fact, Relation)]
+    return shallow(relations[0]) if relations else None
+
+
+def shallow(relation: Relation) -> Relation:
+    """Return the relation without what is known of the landmark's own surroundings."""
+    target = relation.target
+    return Relation(relation.type, ObjectGraph(name=target.name, attributes=target.attributes))
+
+
+def graph_key(graph: ObjectGraph) -> tuple[object, ...]:
+    """Return a value that is equal for graphs that say the same in canonical words."""
+    own = sorted((key, value_of(value)) for key, value in graph.attributes.items())
+    relations = sorted({repr((r.type, graph_key(r.target))) for r in graph.relations})
+    return (name_of(graph.name), tuple(own), tuple(relations))
+
+
+def natural_order(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Return candidates by id with numbers in order (cup-2 before cup-10)."""
+    return sorted(candidates, key=lambda candidate: (_natural(candidate.id), candidate.id))
+
+
+def _natural(text: str) -> list[tuple[int, int, str]]:
+    parts = re.findall(r"[0-9]+|[^0-9]+", text)
+    return [(0, int(part), "") if part.isdecimal() else (1, 0, part) for part in parts]
+
+
+def check_depth(graph: ObjectGraph, owner: str) -> None:
+    """Raise Refused if a graph nests deeper than the wire allows.
+
+    Args:
+        owner: whose graph it is, for the sentence ("the instruction").
+    """
+    if any(depth > MAX_DEPTH for depth in _depths(graph)):
+        raise Refused(
+            f"the graph of {owner} nests deeper than {MAX_DEPTH} landmarks: say it with fewer"
+        )
+
+
+def _depths(graph: ObjectGraph) -> Iterator[int]:
+    level = [graph]
+    depth = 0
+    while level and depth <= MAX_DEPTH + 1:
+        yield depth
+        level = [relation.target for node in level for relation in node.relations]
+        depth += 1
