@@ -30,15 +30,28 @@ SAMPLE_SIDE_PX = 32
 LIGHTNESS_WEIGHT = 0.5
 MIN_SHARE = 0.45
 MIN_LEAD = 0.15
+RING_SHARE = 0.08
+BACKGROUND_CELL = 10.0
+BACKGROUND_SHARE = 0.08
+BACKGROUND_DISTANCE = 10.0
+MIN_FOREGROUND = 0.15
 
 # sRGB 0..255. Several per name: a lit and a shaded one, and for red, brown and blue the tones
 # that household things have.
 _PROTOTYPES: dict[str, tuple[tuple[int, int, int], ...]] = {
     "red": ((191, 20, 18), (128, 13, 13), (217, 51, 51), (240, 30, 30), (95, 22, 24)),
-    "blue": ((26, 56, 178), (38, 51, 102), (89, 128, 191), (51, 89, 217), (45, 140, 175)),
+    "blue": (
+        (26, 56, 178),
+        (38, 51, 102),
+        (89, 128, 191),
+        (51, 89, 217),
+        (45, 140, 175),
+        (50, 92, 110),
+        (100, 130, 160),
+    ),
     "green": ((31, 128, 41), (51, 89, 38), (115, 166, 51), (77, 140, 89), (60, 220, 60)),
     "yellow": ((224, 189, 26), (230, 217, 102), (178, 148, 26), (250, 240, 60)),
-    "white": ((237, 237, 235), (210, 210, 207)),
+    "white": ((237, 237, 235), (210, 210, 207), (195, 190, 185)),
     "black": ((13, 13, 15), (34, 34, 34)),
     "orange": ((230, 107, 15), (191, 97, 26), (250, 150, 30)),
     "purple": ((107, 33, 133), (76, 30, 102), (140, 76, 166)),
@@ -67,19 +80,47 @@ def central_crop(rgb: RgbImage, box_px: list[float]) -> RgbImage:
     return rgb[top:bottom, left:right]
 
 
-def colour_votes(crop: RgbImage) -> NDArray[np.float64]:
-    """Return the share of pixels nearest to each of ``COLOURS``, (11,), sum 1.
+def surroundings(rgb: RgbImage, box_px: list[float]) -> RgbImage:
+    """Return the pixels just outside a box, (n, 3); empty where the box fills the image."""
+    height_px, width_px = rgb.shape[:2]
+    margin_x = max(2.0, (box_px[2] - box_px[0]) * RING_SHARE)
+    margin_y = max(2.0, (box_px[3] - box_px[1]) * RING_SHARE)
+    left, right = max(0, int(box_px[0] - margin_x)), min(width_px, int(box_px[2] + margin_x))
+    top, bottom = max(0, int(box_px[1] - margin_y)), min(height_px, int(box_px[3] + margin_y))
+    outside = np.ones((bottom - top, right - left), dtype=np.bool_)
+    inner_top, inner_left = max(0, int(box_px[1]) - top), max(0, int(box_px[0]) - left)
+    inner_bottom, inner_right = int(np.ceil(box_px[3])) - top, int(np.ceil(box_px[2])) - left
+    outside[inner_top:inner_bottom, inner_left:inner_right] = False
+    return rgb[top:bottom, left:right][outside]
 
-    Args:
-        crop: uint8 (height, width, 3), not empty.
+
+def foreground(pixels: NDArray[np.float32], around: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return the Lab pixels (n, 3) that are unlike the surroundings (m, 3).
+
+    What shows through a chair or below a table has the colour of floor and wall, which also
+    lie around the box. Where hardly anything would be left, everything stays.
     """
-    side_h = min(SAMPLE_SIDE_PX, crop.shape[0])
-    side_w = min(SAMPLE_SIDE_PX, crop.shape[1])
-    small = cv2.resize(np.ascontiguousarray(crop), (side_w, side_h), interpolation=cv2.INTER_AREA)
-    pixels = to_lab(small.astype(np.uint8, copy=False)).reshape(-1, 1, 3)
+    if len(around) == 0:
+        return pixels
+    cells, owner, counts = np.unique(
+        np.floor(around / BACKGROUND_CELL).astype(np.int64),
+        axis=0,
+        return_inverse=True,
+        return_counts=True,
+    )
+    unlike = np.ones(len(pixels), dtype=np.bool_)
+    for index in range(len(cells)):
+        if counts[index] >= BACKGROUND_SHARE * len(around):
+            mean = around[owner.ravel() == index].mean(axis=0)
+            unlike &= np.linalg.norm(pixels - mean, axis=1) > BACKGROUND_DISTANCE
+    return pixels[unlike] if unlike.mean() >= MIN_FOREGROUND else pixels
+
+
+def colour_votes(pixels: NDArray[np.float32]) -> NDArray[np.float64]:
+    """Return the share of Lab pixels (n, 3) nearest to each of ``COLOURS``, (11,), sum 1."""
     owners = [index for index, name in enumerate(COLOURS) for _ in _PROTOTYPES[name]]
     rows = np.array([[rgb for name in COLOURS for rgb in _PROTOTYPES[name]]], dtype=np.uint8)
-    difference = pixels - to_lab(rows)
+    difference = pixels[:, None, :] - to_lab(rows)
     difference[..., 0] *= np.float32(np.sqrt(LIGHTNESS_WEIGHT))
     nearest = np.square(difference).sum(axis=2).argmin(axis=1)
     counts = np.bincount(np.array(owners)[nearest], minlength=len(COLOURS))
@@ -87,9 +128,23 @@ def colour_votes(crop: RgbImage) -> NDArray[np.float64]:
     return votes
 
 
-def colour_name(crop: RgbImage) -> str | None:
-    """Return the colour of a crop, or None where no colour holds enough of it."""
-    votes = colour_votes(crop)
+def colour_name(crop: RgbImage, around: RgbImage | None = None) -> str | None:
+    """Return the colour of a crop, or None where no colour holds enough of it.
+
+    Args:
+        crop: uint8 (height, width, 3), not empty.
+        around: uint8 (m, 3), pixels around the thing; what is like them does not vote.
+    """
+    side_h = min(SAMPLE_SIDE_PX, crop.shape[0])
+    side_w = min(SAMPLE_SIDE_PX, crop.shape[1])
+    # Samples, not means: averaging would mix a thin thing with what shows through it.
+    small = cv2.resize(
+        np.ascontiguousarray(crop), (side_w, side_h), interpolation=cv2.INTER_NEAREST
+    )
+    pixels = to_lab(small.astype(np.uint8, copy=False)).reshape(-1, 3)
+    if around is not None and len(around) > 0:
+        pixels = foreground(pixels, to_lab(around[None]).reshape(-1, 3))
+    votes = colour_votes(pixels)
     first, second = np.argsort(-votes, kind="stable")[:2]
     if votes[first] < MIN_SHARE or votes[first] - votes[second] < MIN_LEAD:
         return None
@@ -97,5 +152,5 @@ def colour_name(crop: RgbImage) -> str | None:
 
 
 def colour_of_box(rgb: RgbImage, box_px: list[float]) -> str | None:
-    """Return the colour of the middle of a box ``[xmin, ymin, xmax, ymax]`` px, or None."""
-    return colour_name(central_crop(rgb, box_px))
+    """Return the colour of the thing in a box ``[xmin, ymin, xmax, ymax]`` px, or None."""
+    return colour_name(central_crop(rgb, box_px), surroundings(rgb, box_px))

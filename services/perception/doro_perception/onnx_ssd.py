@@ -44,7 +44,10 @@ INPUT = "image_tensor:0"
 BOXES = "Postprocessor/ExpandDims_1:0"
 SCORES = "Postprocessor/Slice:0"
 SIDE_PX = 300
-TILE_SHARE = 0.625
+TILE_SHARE = {2: 0.625, 3: 0.5}
+STRETCH_PERCENTILES = (1.0, 99.0)
+# A flat wall is not stretched to full contrast.
+MIN_STRETCH_RANGE = 60.0
 # Tiles see a part of a thing as a whole thing: a box that ends at an inner edge is dropped.
 EDGE_SHARE = 0.02
 
@@ -104,11 +107,13 @@ class OnnxSsd:
         views: list[View] = [(0, 0, width_px, height_px, False)]
         if self._settings.flip:
             views.append((0, 0, width_px, height_px, True))
-        if self._settings.tiles:
-            wide, high = round(width_px * TILE_SHARE), round(height_px * TILE_SHARE)
-            if min(wide, high) >= 2:
-                corners = [(x, y) for y in (0, height_px - high) for x in (0, width_px - wide)]
-                views.extend((x, y, wide, high, False) for x, y in corners)
+        count = self._settings.tiles
+        if count and min(height_px, width_px) >= 2 * count:
+            share = TILE_SHARE[count]
+            wide, high = round(width_px * share), round(height_px * share)
+            columns = [round((width_px - wide) * k / (count - 1)) for k in range(count)]
+            rows = [round((height_px - high) * k / (count - 1)) for k in range(count)]
+            views.extend((x, y, wide, high, False) for y in rows for x in columns)
         return views
 
     def _look(self, rgb: RgbImage, view: View) -> tuple[FloatArray, FloatArray]:
@@ -134,8 +139,11 @@ class OnnxSsd:
         small = cv2.resize(
             np.ascontiguousarray(part), (SIDE_PX, SIDE_PX), interpolation=cv2.INTER_AREA
         )
+        pixels = small.astype(np.uint8, copy=False)
+        if self._settings.stretch:
+            pixels = stretched(pixels)
         try:
-            outputs: list[Any] = self._session.run([BOXES, SCORES], {INPUT: small[None]})
+            outputs: list[Any] = self._session.run([BOXES, SCORES], {INPUT: pixels[None]})
         except ORT_ERRORS as error:
             raise Refused(
                 f"model {self._path.name} fails on an image ({_first_line(error)}):"
@@ -171,6 +179,16 @@ class OnnxSsd:
             name=self._kept_names[best],
             classes=tuple((self._kept_names[i], float(shares[i])) for i in top),
         )
+
+
+def stretched(rgb: RgbImage) -> RgbImage:
+    """Return the image with its darkest percent black and its brightest percent white."""
+    low, high = np.percentile(rgb, STRETCH_PERCENTILES)
+    scale = 255.0 / max(high - low, MIN_STRETCH_RANGE)
+    result: RgbImage = np.clip(np.rint((rgb.astype(np.float32) - low) * scale), 0, 255).astype(
+        np.uint8
+    )
+    return result
 
 
 def _ends_at_inner_edge(

@@ -66,7 +66,8 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
         max_area_share: boxes over more of the image are dropped: on bare floors and walls the
             detector sees a bed or a table as large as the image.
         flip: look at the mirrored image as well.
-        tiles: look at 2 x 2 overlapping tiles as well (small and far things).
+        tiles: look at 2 x 2 or 3 x 3 overlapping tiles as well (small and far things); 0: none.
+        stretch: stretch the contrast of what the detector sees (dim rooms).
         onnx_leave_out: canonical names of classes that the detector is not to report.
         top_classes: length of the class distribution that goes with each detection.
         colour: name the colour of each crop.
@@ -85,7 +86,8 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     nms_iou: float = 0.55
     max_area_share: float = 0.4
     flip: bool = False
-    tiles: bool = False
+    tiles: Literal[0, 2, 3] = 2
+    stretch: bool = True
     onnx_leave_out: tuple[str, ...] = NOT_HOUSEHOLD
     top_classes: int = 5
     colour: bool = True
