@@ -1,0 +1,1 @@
+"""Rooms of AI2-THOR rendered without Unity: layout, meshes, ray casting, ground truth."""

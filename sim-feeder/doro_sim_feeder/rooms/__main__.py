@@ -1,0 +1,90 @@
+"""Render a room: ``python -m doro_sim_feeder.rooms render FloorPlan4 --seed 3``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import msgspec
+from doro_schemas.errors import Refused
+from doro_schemas.messages import Exploration, SimDetections
+from doro_schemas.messages.base import Message
+
+from doro_sim_feeder.rooms.episode import RoomEpisode
+from doro_sim_feeder.rooms.placement import CopySpec
+from doro_sim_feeder.rooms.sheet import write_sheet
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="doro_sim_feeder.rooms", description=__doc__)
+    commands = parser.add_subparsers(dest="command", required=True)
+    render = commands.add_parser("render", help="render the exploration of a room")
+    render.add_argument("room", help="FloorPlan1-30, 201-230, 301-330 or 401-430")
+    render.add_argument("--seed", type=int, default=0)
+    render.add_argument("--copies", metavar="CLASS=N", help="spawn N copies, e.g. Cup=4")
+    render.add_argument("--colors", default="", help="colours of the copies, e.g. red,red,blue")
+    render.add_argument("--views", type=int, help="number of views (default: every cell)")
+    render.add_argument("--size", type=int, default=300, help="side of the images, pixels")
+    render.add_argument("--out", type=Path, help="recording to write, .mcap")
+    render.add_argument("--truth", type=Path, help="ground truth to write, .json")
+    render.add_argument("--sheet", type=Path, help="contact sheet to draw, .png")
+    return parser
+
+
+def copy_spec(copies: str | None, colors: str) -> CopySpec | None:
+    """Return what ``Cup=4`` and ``red,red,blue`` ask for."""
+    if not copies:
+        return None
+    name, _, count = copies.partition("=")
+    if not name or not count.isdigit():
+        raise Refused(f"--copies {copies} is not understood: write CLASS=N, for example Cup=4")
+    names = tuple(word.strip() for word in colors.split(",") if word.strip())
+    return CopySpec(name, int(count), names)
+
+
+def _with_progress(messages: Iterator[Message], total: int) -> Iterator[Message]:
+    for message in messages:
+        if isinstance(message, SimDetections):
+            print(f"\rview {message.frame + 1}/{total}", end="", file=sys.stderr, flush=True)
+        elif isinstance(message, Exploration) and message.state == "finished":
+            print(file=sys.stderr)
+        yield message
+
+
+def run(args: argparse.Namespace) -> None:
+    """Render what the command line asks for."""
+    spec = copy_spec(args.copies, args.colors)
+    episode = RoomEpisode(
+        args.room, seed=args.seed, copies=spec, views=args.views, size_px=args.size
+    )
+    if args.sheet:
+        write_sheet(args.sheet, episode)
+        print(f"contact sheet: {args.sheet}", file=sys.stderr)
+    if args.out:
+        from doro_sim_feeder.recording import write_recording  # noqa: PLC0415 - only with --out
+
+        metadata = {"room": args.room, "seed": str(args.seed), "source": "rendered"}
+        messages = _with_progress(episode.messages(), len(episode.views))
+        write_recording(args.out, messages, metadata)
+    elif args.truth:
+        for _ in _with_progress(episode.messages(), len(episode.views)):
+            pass
+    if args.truth:
+        text = msgspec.json.encode({"episode": episode.name, "instances": episode.truth()})
+        args.truth.write_bytes(msgspec.json.format(text, indent=1) + b"\n")
+
+
+def main() -> int:
+    args = _parser().parse_args()
+    try:
+        run(args)
+    except Refused as refused:
+        print(f"error: {refused.reason}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,165 @@
+"""Ground geometry of a room: its rectangle, counters that are no rectangles, free cells."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from doro_sim_feeder.rooms.layout import LayoutObject, RoomLayout
+
+CELL_M = 0.25
+AGENT_RADIUS_M = 0.2
+AGENT_HEIGHT_M = 1.7
+STEP_OVER_M = 0.12
+CARVE_M = 0.05
+COUNTER_DEPTH_M = 0.72
+NARROW_M = 0.95
+WALL_REACH_M = 0.35
+ON_WALLS = frozenset(
+    {"Window", "Curtains", "Blinds", "Mirror", "Painting", "Poster", "LightSwitch", "Towel"}
+)
+
+
+@dataclass(frozen=True)
+class Rect:
+    """A rectangle on the ground, metres."""
+
+    x_low: float
+    x_high: float
+    z_low: float
+    z_high: float
+
+    def distance_m(self, cells: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the distance of ground points (n, 2) to the rectangle; 0 inside."""
+        x, z = cells[:, 0], cells[:, 1]
+        dx = np.maximum(np.maximum(self.x_low - x, x - self.x_high), 0)
+        dz = np.maximum(np.maximum(self.z_low - z, z - self.z_high), 0)
+        return np.hypot(dx, dz)
+
+
+def rect_of(item: LayoutObject) -> Rect:
+    return Rect(item.low_m[0], item.high_m[0], item.low_m[2], item.high_m[2])
+
+
+def room_rect(layout: RoomLayout) -> Rect:
+    """Return the room's rectangle: the floor, and what stands on it beyond the floor's box."""
+    inside = [item for item in layout.objects if item.object_type not in ON_WALLS]
+    rects = [rect_of(item) for item in inside]
+    return Rect(
+        min(rect.x_low for rect in rects),
+        max(rect.x_high for rect in rects),
+        min(rect.z_low for rect in rects),
+        max(rect.z_high for rect in rects),
+    )
+
+
+def counter_rects(layout: RoomLayout, counter: LayoutObject, room: Rect) -> list[Rect]:
+    """Return the rectangles that a counter covers.
+
+    iTHOR gives one box for a counter that runs around corners. Kept of a wide box is what
+    lies along a wall that it touches, over cabinets and drawers, or near things that stand
+    on it; sinks are cut out of every counter.
+    """
+    rect = rect_of(counter)
+    nx = max(1, round((rect.x_high - rect.x_low) / CARVE_M))
+    nz = max(1, round((rect.z_high - rect.z_low) / CARVE_M))
+    dx, dz = (rect.x_high - rect.x_low) / nx, (rect.z_high - rect.z_low) / nz
+    x = rect.x_low + (np.arange(nx) + 0.5) * dx
+    z = rect.z_low + (np.arange(nz) + 0.5) * dz
+    cells = np.stack(np.meshgrid(x, z, indexing="ij"), axis=-1).reshape(-1, 2)
+    keep = np.ones(len(cells), bool)
+    if min(rect.x_high - rect.x_low, rect.z_high - rect.z_low) > NARROW_M:
+        keep = _along_walls(cells, rect, room) | _over_evidence(cells, layout, counter)
+    for basin in layout.of_type("SinkBasin"):
+        keep &= rect_of(basin).distance_m(cells) > 0
+    return [
+        Rect(
+            rect.x_low + i0 * dx,
+            rect.x_low + i1 * dx,
+            rect.z_low + j0 * dz,
+            rect.z_low + j1 * dz,
+        )
+        for i0, i1, j0, j1 in _rectangles(keep.reshape(nx, nz))
+    ]
+
+
+def _along_walls(cells: NDArray[np.float64], rect: Rect, room: Rect) -> NDArray[np.bool_]:
+    near = np.zeros(len(cells), bool)
+    if rect.x_low - room.x_low < WALL_REACH_M:
+        near |= cells[:, 0] < rect.x_low + COUNTER_DEPTH_M
+    if room.x_high - rect.x_high < WALL_REACH_M:
+        near |= cells[:, 0] > rect.x_high - COUNTER_DEPTH_M
+    if rect.z_low - room.z_low < WALL_REACH_M:
+        near |= cells[:, 1] < rect.z_low + COUNTER_DEPTH_M
+    if room.z_high - rect.z_high < WALL_REACH_M:
+        near |= cells[:, 1] > rect.z_high - COUNTER_DEPTH_M
+    return near
+
+
+def _over_evidence(
+    cells: NDArray[np.float64], layout: RoomLayout, counter: LayoutObject
+) -> NDArray[np.bool_]:
+    near = np.zeros(len(cells), bool)
+    for item in layout.objects:
+        below = item.object_type in ("Cabinet", "Drawer") and item.low_m[1] < counter.low_m[1]
+        margin_m = 0.05 if below else 0.15
+        if below or counter.object_id in item.receptacles:
+            near |= rect_of(item).distance_m(cells) < margin_m
+    return near
+
+
+def _rectangles(mask: NDArray[np.bool_]) -> list[tuple[int, int, int, int]]:
+    """Return rectangles (i0, i1, j0, j1), upper ends exclusive, that tile the mask."""
+    left = mask.copy()
+    found = []
+    while left.any():
+        i0, j0 = (int(value) for value in np.argwhere(left)[0])
+        j1 = j0
+        while j1 < left.shape[1] and left[i0, j1]:
+            j1 += 1
+        i1 = i0
+        while i1 < left.shape[0] and left[i1, j0:j1].all():
+            i1 += 1
+        left[i0:i1, j0:j1] = False
+        found.append((i0, i1, j0, j1))
+    return found
+
+
+def reachable_cells(room: Rect, obstacles: list[Rect]) -> NDArray[np.float64]:
+    """Return the cells where the agent can stand, float64 (n, 2) of x and z, sorted.
+
+    The 0.25 m grid of the room, less what lies within the agent's radius of a wall or an
+    obstacle; of the rest the largest connected component (4 neighbours).
+    """
+    x = np.arange(np.ceil(room.x_low / CELL_M), np.floor(room.x_high / CELL_M) + 1) * CELL_M
+    z = np.arange(np.ceil(room.z_low / CELL_M), np.floor(room.z_high / CELL_M) + 1) * CELL_M
+    cells = np.stack(np.meshgrid(x, z, indexing="ij"), axis=-1).reshape(-1, 2)
+    free = (cells[:, 0] - room.x_low >= AGENT_RADIUS_M) & (
+        room.x_high - cells[:, 0] >= AGENT_RADIUS_M
+    )
+    free &= (cells[:, 1] - room.z_low >= AGENT_RADIUS_M) & (
+        room.z_high - cells[:, 1] >= AGENT_RADIUS_M
+    )
+    for obstacle in obstacles:
+        free &= obstacle.distance_m(cells) >= AGENT_RADIUS_M
+    component = _largest_component(free.reshape(len(x), len(z)))
+    return cells[component.ravel()]
+
+
+def _largest_component(free: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    label = np.where(free, np.arange(1, free.size + 1).reshape(free.shape), 0)
+    while True:  # every cell takes the largest label around it until nothing changes
+        padded = np.pad(label, 1)
+        around = [padded[2:, 1:-1], padded[:-2, 1:-1], padded[1:-1, 2:], padded[1:-1, :-2]]
+        spread = np.where(free, np.maximum.reduce([label, *around]), 0)
+        if np.array_equal(spread, label):
+            break
+        label = spread
+    if not free.any():
+        return free
+    counts = np.bincount(label.ravel())
+    counts[0] = 0
+    result: NDArray[np.bool_] = label == int(counts.argmax())
+    return result

@@ -1,0 +1,159 @@
+"""Colour of ray hits: textures, materials, a soft light under the ceiling, ambient light."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from doro_sim_feeder.rooms.parts import unit
+from doro_sim_feeder.rooms.raycast import Hits, RayCaster
+
+AMBIENT, SKY, SIDE, HEAD, LAMP = 0.44, 0.06, 0.05, 0.12, 0.58
+SHADOW_LIGHT = 0.12  # share of the lamp's light that reaches shadows by bouncing
+GAMMA = 1 / 1.15
+SHADOW_BIAS_M = 0.006
+LAMP_RADIUS_M = 0.25
+# (strength, exponent) of the highlight of each material.
+GLOSS = {
+    "metal": (0.45, 24.0),
+    "glass": (0.50, 90.0),
+    "ceramic": (0.28, 60.0),
+    "plastic": (0.16, 30.0),
+    "stone": (0.12, 40.0),
+    "leather": (0.10, 16.0),
+}
+
+
+@dataclass(frozen=True)
+class _Atlas:
+    """All textures in one flat buffer, so that a pixel's albedo is one lookup."""
+
+    texels: NDArray[np.float32]
+    offset: NDArray[np.int64]
+    width: NDArray[np.int64]
+    height: NDArray[np.int64]
+    color: NDArray[np.float32]
+
+
+def _make_atlas(caster: RayCaster) -> _Atlas:
+    texels = [np.full((1, 3), 255, np.uint8)]
+    rows, start = [], 1
+    for part in caster.soup.parts:
+        if part.texture is None:
+            rows.append((0, 1, 1))
+            continue
+        height, width = part.texture.shape[:2]
+        rows.append((start, width, height))
+        texels.append(part.texture.reshape(-1, 3))
+        start += width * height
+    table = np.asarray(rows, np.int64)
+    return _Atlas(
+        texels=np.concatenate(texels).astype(np.float32) / np.float32(255),
+        offset=table[:, 0],
+        width=table[:, 1],
+        height=table[:, 2],
+        color=np.asarray([part.color for part in caster.soup.parts], np.float32),
+    )
+
+
+class Shader:
+    """Shades hits of one scene.
+
+    Args:
+        caster: the scene's rays.
+        part_materials: material of each part of the soup, in its order.
+        lamp_m: centre of the lamp, world metres.
+    """
+
+    def __init__(
+        self, caster: RayCaster, part_materials: list[str | None], lamp_m: NDArray[np.float64]
+    ) -> None:
+        self._caster = caster
+        self._atlas = _make_atlas(caster)
+        gloss = [GLOSS.get(material or "", (0.0, 1.0)) for material in part_materials]
+        self._gloss = np.asarray(gloss, np.float32)
+        self._wood = np.asarray([material == "wood" for material in part_materials])
+        self._fabric = np.asarray([material == "fabric" for material in part_materials])
+        self._lamp_m = lamp_m
+
+    def shade(
+        self, origin_m: NDArray[Any], directions: NDArray[Any], hits: Hits, lamp_angle: float
+    ) -> NDArray[np.float32]:
+        """Return linear-ish colour 0..1, float32 (n, 3), of rays from one origin.
+
+        Args:
+            lamp_angle: where on the round lamp the light of these rays comes from, radians;
+                different angles for the samples of a pixel make its shadows soft.
+        """
+        soup = self._caster.soup
+        face = np.maximum(hits.face, 0)
+        corners = soup.faces[face]
+        weight = np.column_stack([1 - hits.barycentric.sum(axis=1), hits.barycentric])[..., None]
+        part = soup.face_part[face]
+        distance = np.where(np.isfinite(hits.distance), hits.distance, 0)[:, None]
+        point = np.asarray(origin_m, np.float32) + directions * distance
+        view = unit(directions)
+        flat = _facing(_face_normals(soup.vertices, corners), view)
+        normal = unit((soup.normals[corners] * weight).sum(axis=1))
+        normal = np.where((normal * flat).sum(axis=1, keepdims=True) < 0, -normal, normal)
+        albedo = self._albedo(part, (soup.uv[corners] * weight).sum(axis=1), point)
+
+        lamp = self._lamp_m + LAMP_RADIUS_M * np.array([np.cos(lamp_angle), 0, np.sin(lamp_angle)])
+        to_lamp = lamp.astype(np.float32) - point
+        toward = unit(to_lamp)
+        facing_lamp = np.clip((normal * toward).sum(axis=1), 0, 1)
+        shadow = self._caster.occluded(point + flat * SHADOW_BIAS_M, to_lamp)
+        lit = np.where(shadow | ((flat * toward).sum(axis=1) <= 0), SHADOW_LIGHT, 1.0)
+        head = np.clip(-(normal * view).sum(axis=1), 0, 1)
+        light = AMBIENT + SKY * normal[:, 1] + SIDE * normal[:, 0] + HEAD * head
+        light += LAMP * facing_lamp * lit
+        half = np.clip((normal * unit(toward - view)).sum(axis=1), 0, 1)
+        strength, exponent = self._gloss[part].T
+        highlight = strength * (half**exponent * (lit > 0.5) + 0.25 * (1 - head) ** 4)
+        color = np.clip(albedo * light[:, None] + highlight[:, None], 0, 1) ** GAMMA
+        return np.where((hits.face >= 0)[:, None], color, 0).astype(np.float32)
+
+    def _albedo(
+        self, part: NDArray[np.int32], uv: NDArray[Any], point: NDArray[Any]
+    ) -> NDArray[np.float32]:
+        atlas = self._atlas
+        width, height = atlas.width[part], atlas.height[part]
+        column = np.floor((uv[:, 0] % 1) * width).astype(np.int64) % width
+        row = np.floor(((1 - uv[:, 1]) % 1) * height).astype(np.int64) % height
+        albedo = atlas.texels[atlas.offset[part] + row * width + column] * atlas.color[part]
+        tone = np.ones(len(part), np.float32)
+        wood = self._wood[part]
+        tone[wood] = _grain(point[wood])
+        fabric = self._fabric[part]
+        tone[fabric] = _weave(point[fabric])
+        shaded: NDArray[np.float32] = albedo * tone[:, None]
+        return shaded
+
+
+def _face_normals(vertices: NDArray[Any], corners: NDArray[Any]) -> NDArray[Any]:
+    a, b, c = (vertices[corners[:, k]] for k in range(3))
+    return unit(np.cross(b - a, c - a))
+
+
+def _facing(normal: NDArray[Any], view: NDArray[Any]) -> NDArray[Any]:
+    """Return normals turned to the viewer: surfaces have two sides, whatever their winding."""
+    turned: NDArray[Any] = np.where((normal * view).sum(axis=1, keepdims=True) > 0, -normal, normal)
+    return turned
+
+
+def _grain(point_m: NDArray[Any]) -> NDArray[Any]:
+    """Return the brightness of wood: stretched rings in the material, about 1."""
+    x, y, z = point_m.T
+    ring = 55 * (x + 0.35 * y) + 3 * np.sin(7 * z + 3 * y) + 1.5 * np.sin(19 * z)
+    tone: NDArray[Any] = 1 + 0.08 * np.sin(ring) + 0.05 * np.sin(2.7 * ring + 11 * z)
+    return tone
+
+
+def _weave(point_m: NDArray[Any]) -> NDArray[Any]:
+    """Return the brightness of woven fabric, about 1."""
+    x, y, z = point_m.T
+    tone: NDArray[Any] = 1 + 0.07 * np.sin(420 * (x + y)) * np.sin(420 * (z + y))
+    return tone
