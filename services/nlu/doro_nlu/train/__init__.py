@@ -1,0 +1,1 @@
+"""Training of the shipped tagger; needs the extra ``train`` (torch, onnx)."""

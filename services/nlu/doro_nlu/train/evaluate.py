@@ -1,0 +1,83 @@
+"""Figures of a tagger: precision, recall and F1 per label over tokens, and whole sentences."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+import msgspec
+
+from doro_nlu.labels import LABELS, OUTSIDE
+from doro_nlu.tagger import Tagger
+from doro_nlu.train.annotate import Example
+
+
+class LabelScore(msgspec.Struct, frozen=True):
+    """Token-level figures of one label."""
+
+    precision: float
+    recall: float
+    f1: float
+    support: int
+
+
+class Report(msgspec.Struct, frozen=True):
+    """Figures over a set; the weighted F1 is over labels other than O, weighted by support."""
+
+    sentences: int
+    tokens: int
+    weighted_f1: float
+    weighted_f1_with_o: float
+    sentence_accuracy: float
+    labels: dict[str, LabelScore]
+
+
+def evaluate(tagger: Tagger, examples: Sequence[Example], batch: int = 64) -> Report:
+    """Return the report of a tagger on labelled sentences."""
+    right: Counter[str] = Counter()
+    said: Counter[str] = Counter()
+    gold: Counter[str] = Counter()
+    whole = 0
+    for start in range(0, len(examples), batch):
+        chunk = examples[start : start + batch]
+        for example, tagged in zip(chunk, tagger.tag([e.tokens for e in chunk]), strict=True):
+            whole += tagged.labels == example.labels
+            for want, got in zip(example.labels, tagged.labels, strict=True):
+                gold[want] += 1
+                said[got] += 1
+                right[want] += want == got
+    scores = {label: _score(right[label], said[label], gold[label]) for label in LABELS}
+    return Report(
+        sentences=len(examples),
+        tokens=gold.total(),
+        weighted_f1=_weighted({k: v for k, v in scores.items() if k != OUTSIDE}),
+        weighted_f1_with_o=_weighted(scores),
+        sentence_accuracy=whole / max(len(examples), 1),
+        labels=scores,
+    )
+
+
+def _score(right: int, said: int, gold: int) -> LabelScore:
+    precision = right / said if said else 0.0
+    recall = right / gold if gold else 0.0
+    f1 = 2 * precision * recall / (precision + recall) if right else 0.0
+    return LabelScore(precision, recall, f1, gold)
+
+
+def _weighted(scores: dict[str, LabelScore]) -> float:
+    total = sum(score.support for score in scores.values())
+    return sum(score.f1 * score.support for score in scores.values()) / max(total, 1)
+
+
+def table(report: Report) -> str:
+    """Return the report as a Markdown table."""
+    rows = ["| label | precision | recall | F1 | tokens |", "|---|---|---|---|---|"]
+    rows += [
+        f"| {label} | {s.precision:.3f} | {s.recall:.3f} | {s.f1:.3f} | {s.support} |"
+        for label, s in report.labels.items()
+    ]
+    rows.append(
+        f"\nWeighted F1 without O {report.weighted_f1:.3f}, with O {report.weighted_f1_with_o:.3f};"
+        f" sentences all right {report.sentence_accuracy:.3f} of {report.sentences}."
+    )
+    return "\n".join(rows)

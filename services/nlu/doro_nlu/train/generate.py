@@ -1,0 +1,120 @@
+"""The seeded generator of exactly labelled sentences."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from random import Random
+
+from doro_nlu.train import lexicon as lex
+from doro_nlu.train.annotate import Example, annotate
+from doro_nlu.train.fillers import FOREIGN_PARTS, WORDS
+from doro_nlu.train.frames import SHARES, frames_of
+from doro_nlu.train.noise import add_typos
+from doro_nlu.train.nouns import COMMON, invented, plural, thing
+from doro_nlu.train.phrases import Phrases, strip_labels
+
+_SLOT = re.compile(r"<([a-z_0-9]+)(?::([a-zA-Z]+))?>")
+TYPO_SHARE = 0.12
+_NEGATIONS = (", not", " not", " but not", ", and not")
+_OUT_VERBS = ("take", "get", "pull", "bring")
+_REPAIRS = ("", "sorry , ", "i mean ", "rather ")
+
+
+class Generator:
+    """An endless, seeded source of examples.
+
+    Args:
+        seed: equal seeds give equal sentences.
+        held_out: use the frames that training never sees.
+    """
+
+    def __init__(self, seed: int, *, held_out: bool = False) -> None:
+        self.rng = Random(seed)
+        self.phrases = Phrases(self.rng)
+        self.frames = {kind: frames_of(kind, held_out) for kind in SHARES}
+        self.slots = self._slots()
+
+    def __iter__(self) -> Iterator[Example]:
+        while True:
+            example = self.example()
+            if example.tokens:
+                yield example
+
+    def example(self) -> Example:
+        """Return one labelled sentence."""
+        rng = self.rng
+        kind = rng.choices(list(SHARES), weights=list(SHARES.values()))[0]
+        frame = rng.choice(self.frames[kind])
+        text = re.sub(r"\s+", " ", _SLOT.sub(self._fill, frame)).strip()
+        example = annotate(text)
+        return add_typos(example, rng) if rng.random() < TYPO_SHARE else example
+
+    def _fill(self, slot: re.Match[str]) -> str:
+        name, argument = slot[1], slot[2] or ""
+        if name in WORDS:
+            return (" " if name == "end" else "") + self.rng.choice(WORDS[name])
+        return self.slots[name](argument)
+
+    def _slots(self) -> dict[str, Callable[[str], str]]:
+        rng, phrases = self.rng, self.phrases
+        return {
+            "ref": lambda start: phrases.object() + phrases.related(1.0 if start else 0.55),
+            "obj": lambda _: phrases.object(),
+            "obj2": lambda _: phrases.object(0.2),
+            "rel": lambda start: _after(phrases.relation(start=start or None), start),
+            "from": lambda _: phrases.related(0.75, start="A"),
+            "front": lambda _: phrases.relation(depth=1, start=rng.choice("PAAAN")),
+            "dest": lambda _: phrases.destination(),
+            "todest": lambda _: _toward(phrases, rng),
+            "plain": lambda _: phrases.plain(),
+            "out": lambda _: f"{rng.choice(_OUT_VERBS)} {phrases.object()} out",
+            "notthis": lambda _: _not_this(phrases, rng),
+            "wrong": lambda _: strip_labels(f"{phrases.color()} {thing(rng)}"),
+            "repair": lambda _: rng.choice(_REPAIRS) + phrases.object(0.6),
+            "onlyobj": lambda _: f"{{O {thing(rng)}}}",
+            "several": lambda _: _several(phrases, rng),
+            "plurals": lambda _: phrases.noun("O", plural(thing(rng)), 0.5),
+            "col": lambda _: phrases.color(),
+            "cols": lambda _: _values(phrases, rng),
+            "xcol": lambda _: rng.choice(lex.BASE_COLORS),
+            "mat": lambda _: phrases.material(),
+            "cap": lambda _: phrases.determined("O", thing(rng), 0.6, 0.85),
+            "capbare": lambda _: phrases.noun("O", rng.choice(COMMON), 0.6),
+            "belong": lambda _: phrases.belonging(),
+            "predicate": lambda _: phrases.predicate(),
+            "foreign2": lambda _: " ".join(rng.choices(FOREIGN_PARTS, k=rng.randint(2, 8))),
+            "noise": lambda _: _garbage(rng),
+        }
+
+
+def _after(relation: str, start: str) -> str:
+    """Drop the connector where the frame has written it itself ("from" + landmark)."""
+    return re.sub(r"^.*?\{[NPA] [^}]*\} ", "", relation, count=1) if start else relation
+
+
+def _not_this(phrases: Phrases, rng: Random) -> str:
+    other = (phrases.object(0.5), f"the one {phrases.relation()}", f"the {phrases.color()} one")
+    return f"{rng.choice(_NEGATIONS)} {strip_labels(rng.choice(other))}"
+
+
+def _several(phrases: Phrases, rng: Random) -> str:
+    return f"all the {phrases.noun('O', plural(thing(rng)), 0.4)}{phrases.related(0.6)}"
+
+
+def _values(phrases: Phrases, rng: Random) -> str:
+    second = f", {phrases.material()}" if rng.random() < 0.5 else phrases.color()
+    return f"{phrases.color()} {second}"
+
+
+def _toward(phrases: Phrases, rng: Random) -> str:
+    where = rng.choice(("to", "to", "to", "over to", "back to", "into", "towards"))
+    return f"{where} {rng.choice((phrases.plain(), phrases.plain(), 'me', 'my desk', 'my friend'))}"
+
+
+def _garbage(rng: Random) -> str:
+    words = [
+        invented(rng) if rng.random() < 0.6 else str(rng.randint(0, 99))
+        for _ in range(rng.randint(2, 6))
+    ]
+    return " ".join(words) + rng.choice(("", " ?", " ???", " ...", " ; #"))
