@@ -11,10 +11,11 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+
 from doro_schemas.camera import Pose, intrinsics_from_vertical_fov, pose_from_ai2thor
 from doro_schemas.graph import ObjectGraph
 from doro_schemas.messages import DepthFrame, FrameGraphs, GraphBox
-from numpy.typing import NDArray
 
 SIZE_PX = 300
 LENS = intrinsics_from_vertical_fov(SIZE_PX, SIZE_PX, 90.0)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from mapper_scene import Frame, Thing, messages, observe, room, shoot, table, walk
+
 from doro_mapper.core import Mapper
 from doro_mapper.settings import MapperSettings
 from doro_schemas.camera import Pose
@@ -18,7 +20,6 @@ from doro_schemas.messages import (
     InstancesRequest,
     Rejected,
 )
-from mapper_scene import Frame, Thing, messages, observe, room, shoot, table, walk
 
 THINGS = [*room(), table((0, 0)), Thing("mug", (0.2, 0.8, 0.1), (0.09, 0.1, 0.09))]
 FRAMES = shoot(THINGS, walk(6))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from mapper_scene import LENS, SIZE_PX, Thing, messages, room, shoot, table, walk
+
 from doro_mapper.core import Mapper
 from doro_mapper.hashmaps import HashMaps
 from doro_mapper.projection import Samples
@@ -12,7 +14,6 @@ from doro_mapper.views import Views, camera_of
 from doro_schemas.camera import pose_from_ai2thor
 from doro_schemas.graph import ObjectGraph, Relation
 from doro_schemas.messages import GridDelta, GridRequest
-from mapper_scene import LENS, SIZE_PX, Thing, messages, room, shoot, table, walk
 
 CUP = ObjectGraph("cup", {"color": "red"})
 

@@ -6,11 +6,12 @@ import math
 
 import numpy as np
 import pytest
+from mapper_scene import LENS, SIZE_PX, Thing, observe, room
+
 from doro_mapper.assignment import assign
 from doro_mapper.projection import Measurement, Samples, depth_window, measure, soft_mask
 from doro_mapper.views import Views, camera_of
 from doro_schemas.camera import Pose, backproject, bev_axes, pose_from_ai2thor
-from mapper_scene import LENS, SIZE_PX, Thing, observe, room
 
 POSE = pose_from_ai2thor((0.3, 1.5, -2.0), 20.0, 30.0)
 ROS = Pose([1.0, 2.0, 1.5], [0, 0, 1, -1, 0, 0, 0, -1, 0], "ros")

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from doro_schemas.messages import DepthFrame, FrameGraphs, GraphBox, GraphEntry
-from doro_schemas.vocabulary import name_satisfies
 from numpy.typing import NDArray
 
 from doro_mapper.boxes import Boxes, distance, iou
@@ -19,6 +17,8 @@ from doro_mapper.regions import RegionFinder
 from doro_mapper.settings import MapperSettings
 from doro_mapper.tracks import TrackFinder
 from doro_mapper.views import Camera, Views, camera_of
+from doro_schemas.messages import DepthFrame, FrameGraphs, GraphBox, GraphEntry
+from doro_schemas.vocabulary import name_satisfies
 
 SAME_PLACE = 0.5
 

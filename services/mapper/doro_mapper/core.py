@@ -3,6 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+
+from doro_mapper.area import Area
+from doro_mapper.instances import build
+from doro_mapper.join import Half, Join, Key
+from doro_mapper.settings import MapperSettings
 from doro_schemas.camera import World
 from doro_schemas.effects import Output
 from doro_schemas.errors import Refused
@@ -20,11 +25,6 @@ from doro_schemas.messages import (
     Rejected,
 )
 from doro_schemas.vocabulary import canonical_name, canonical_value, name_satisfies
-
-from doro_mapper.area import Area
-from doro_mapper.instances import build
-from doro_mapper.join import Half, Join, Key
-from doro_mapper.settings import MapperSettings
 
 MAX_ENDED = 64
 

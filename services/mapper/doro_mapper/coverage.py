@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from doro_schemas.camera import Pose, backproject, bev_axes
 from numpy.typing import NDArray
 
 from doro_mapper.views import THUMB_PX, Camera, thumbnail
+from doro_schemas.camera import Pose, backproject, bev_axes
 
 OFFSET = 1 << 20
 """Makes ground cell numbers positive, so that two of them pack into one integer."""

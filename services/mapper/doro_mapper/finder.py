@@ -6,12 +6,12 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
-from doro_schemas.graph import ObjectGraph
-from doro_schemas.vocabulary import name_satisfies
 from numpy.typing import NDArray
 
 from doro_mapper.projection import Measurement
 from doro_mapper.views import Floats
+from doro_schemas.graph import ObjectGraph
+from doro_schemas.vocabulary import name_satisfies
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,12 +13,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from doro_schemas.graph import ObjectGraph, identity, without_relations
-from doro_schemas.messages import GraphEntry
 from numpy.typing import NDArray
 
 from doro_mapper.projection import Samples
 from doro_mapper.views import Floats, Views
+from doro_schemas.graph import ObjectGraph, identity, without_relations
+from doro_schemas.messages import GraphEntry
 
 Key = tuple[int, int, int, int]
 Place = tuple[int, int, int]

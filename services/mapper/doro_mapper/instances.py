@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from doro_schemas.camera import World, bev_axes
-from doro_schemas.graph import ObjectGraph
-from doro_schemas.messages import Evidence, Instance
 
 from doro_mapper.finder import Found, Sighting
 from doro_mapper.relations import relations_of
 from doro_mapper.settings import MapperSettings
 from doro_mapper.track import ranked
 from doro_mapper.views import Floats
+from doro_schemas.camera import World, bev_axes
+from doro_schemas.graph import ObjectGraph
+from doro_schemas.messages import Evidence, Instance
 
 POSITION_GRAIN_M = 0.05
 

@@ -10,10 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from doro_schemas.camera import Pose, backproject, bev_axes
 from numpy.typing import NDArray
 
 from doro_mapper.views import Camera, Floats
+from doro_schemas.camera import Pose, backproject, bev_axes
 
 KEPT_POINTS = 24
 WINDOW_SHARE = 0.4

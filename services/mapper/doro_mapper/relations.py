@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from doro_schemas.graph import ObjectGraph, Relation, identity
-from doro_schemas.spatial import NEAR_M, Box3, gap_m, relation_between
 
 from doro_mapper.finder import Found, names_agree
 from doro_mapper.settings import MapperSettings
 from doro_mapper.track import ranked
+from doro_schemas.graph import ObjectGraph, Relation, identity
+from doro_schemas.spatial import NEAR_M, Box3, gap_m, relation_between
 
 ORDER = ("is-on", "is-at", "is-near")
 

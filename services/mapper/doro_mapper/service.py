@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from doro_mapper.core import Mapper
+from doro_mapper.settings import MapperSettings
 from doro_schemas.messages import (
     DepthFrame,
     Exploration,
@@ -10,9 +12,6 @@ from doro_schemas.messages import (
     InstancesRequest,
 )
 from doro_schemas.runner import Shell, run_service
-
-from doro_mapper.core import Mapper
-from doro_mapper.settings import MapperSettings
 
 
 def wire(shell: Shell, settings: MapperSettings) -> None:

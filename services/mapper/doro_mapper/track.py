@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from doro_schemas.vocabulary import name_satisfies
 from numpy.typing import NDArray
 
 from doro_mapper.boxes import Boxes
 from doro_mapper.finder import Sighting, attributes_agree, names_agree
 from doro_mapper.views import Bools, Views
+from doro_schemas.vocabulary import name_satisfies
 
 LATEST = 64
 """Measurements that make the geometry."""

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from doro_schemas.camera import Intrinsics, Pose, bev_axes
 from numpy.typing import NDArray
+
+from doro_schemas.camera import Intrinsics, Pose, bev_axes
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
