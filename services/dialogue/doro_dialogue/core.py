@@ -11,6 +11,10 @@ from __future__ import annotations
 from typing import Literal
 
 import msgspec
+
+from doro_dialogue.facts import check_depth, name_of
+from doro_dialogue.settings import DialogueSettings
+from doro_dialogue.talk import belief_of, decide_on, query_of, same_decision
 from doro_schemas.effects import Ask, Output, Unanswered
 from doro_schemas.errors import Refused
 from doro_schemas.graph import ObjectGraph
@@ -22,10 +26,6 @@ from doro_schemas.messages import (
     InstructionGraph,
     Query,
 )
-
-from doro_dialogue.facts import check_depth, name_of
-from doro_dialogue.settings import DialogueSettings
-from doro_dialogue.talk import belief_of, decide_on, query_of, same_decision
 
 MAX_DIALOGUES = 200
 UNNAMED_EPISODE = "episode"

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import msgspec
-from doro_schemas.errors import Refused
-from doro_schemas.graph import ObjectGraph
 
 from doro_dialogue import decision as rules
 from doro_dialogue.facts import Candidate
 from doro_dialogue.question import compose, pick
+from doro_schemas.errors import Refused
+from doro_schemas.graph import ObjectGraph
 
 EXAMPLE = '{"id": "1", "graph": {"name": "cup"}, "instances": [{"id": "a", "graph": {...}}]}'
 

@@ -6,13 +6,12 @@ from collections.abc import Sequence
 from typing import Literal
 
 import msgspec
+
+from doro_dialogue.facts import Candidate, check_depth, name_of, natural_order, value_of
+from doro_dialogue.matching import Match, compare_name, match
 from doro_schemas.errors import Refused
 from doro_schemas.graph import ObjectGraph
 from doro_schemas.messages.talk import State
-from doro_schemas.vocabulary import name_satisfies
-
-from doro_dialogue.facts import Candidate, check_depth, name_of, natural_order, value_of
-from doro_dialogue.matching import Match, match
 
 Reason = Literal["unique_match", "several_match", "no_match", "mismatch", "unknown", "missing"]
 
@@ -115,7 +114,7 @@ def _judge(graph: ObjectGraph, instances: Sequence[Candidate]) -> list[Judged]:
         if one.id in ids:
             raise Refused(f"two instances have the id '{one.id}': give each its own")
         ids.add(one.id)
-    of_class = [one for one in instances if name_satisfies(graph.name, one.graph.name)]
+    of_class = [one for one in instances if compare_name(graph.name, one.graph.name) == "holds"]
     return [Judged(one, match(graph, one.graph)) for one in natural_order(of_class)]
 
 

@@ -13,7 +13,6 @@ from collections.abc import Iterator, Sequence
 from itertools import combinations
 
 import msgspec
-from doro_schemas.graph import ObjectGraph, Relation
 
 from doro_dialogue.facts import (
     IS_AT,
@@ -29,6 +28,7 @@ from doro_dialogue.facts import (
     value_of,
 )
 from doro_dialogue.matching import broader_values
+from doro_schemas.graph import ObjectGraph, Relation
 
 MAX_OPTIONS = 24
 Key = tuple[object, ...]

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
 
 import msgspec
+
 from doro_schemas.errors import Refused
 from doro_schemas.graph import MAX_DEPTH, ObjectGraph, Relation
 from doro_schemas.vocabulary import canonical_name, canonical_value

@@ -11,8 +11,6 @@ from functools import lru_cache
 from typing import Literal
 
 import msgspec
-from doro_schemas.graph import ObjectGraph, Relation
-from doro_schemas.vocabulary import name_satisfies
 
 from doro_dialogue.facts import (
     IS_AT,
@@ -27,6 +25,8 @@ from doro_dialogue.facts import (
     value_of,
     words,
 )
+from doro_schemas.graph import ObjectGraph, Relation
+from doro_schemas.vocabulary import name_satisfies
 
 Verdict = Literal["holds", "contradicted", "unknown"]
 

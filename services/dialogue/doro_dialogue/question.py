@@ -11,7 +11,6 @@ from collections.abc import Callable, Sequence
 from itertools import product
 
 import msgspec
-from doro_schemas.graph import ObjectGraph, Relation
 
 from doro_dialogue.decision import Decision, Judged
 from doro_dialogue.discriminate import Group, discriminate
@@ -26,6 +25,7 @@ from doro_dialogue.surface import (
     predicate,
     without_article,
 )
+from doro_schemas.graph import ObjectGraph, Relation
 
 WH_SUFFIXES = (
     "which one do you mean?",

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
+from doro_dialogue.core import Dialogue
+from doro_dialogue.settings import DialogueSettings
 from doro_schemas.effects import Unanswered
 from doro_schemas.messages import Exploration, GridDelta, Instances, InstructionGraph
 from doro_schemas.runner import Shell, run_service
-
-from doro_dialogue.core import Dialogue
-from doro_dialogue.settings import DialogueSettings
 
 
 def wire(shell: Shell, settings: DialogueSettings) -> None:

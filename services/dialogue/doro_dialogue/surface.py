@@ -8,10 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from doro_dialogue.facts import (
+    ATTRIBUTE_ORDER,
+    MATERIAL,
+    Attribute,
+    Fact,
+    facts_of,
+    name_of,
+    value_of,
+    words,
+)
 from doro_schemas.graph import ObjectGraph, Relation
-from doro_schemas.vocabulary import IRREGULAR_PLURAL, canonical_name, canonical_value
-
-from doro_dialogue.facts import ATTRIBUTE_ORDER, MATERIAL, Attribute, Fact, facts_of, words
+from doro_schemas.vocabulary import IRREGULAR_PLURAL
 
 RELATION_WORDS = {"is-on": "on top of", "is-near": "near", "is-at": "in"}
 NUMBERS = (
@@ -92,14 +100,14 @@ def _phrase(before: list[str], graph: ObjectGraph, count: int) -> str:
 
 
 def _name(graph: ObjectGraph) -> str:
-    return canonical_name(graph.name)
+    return name_of(graph.name)
 
 
 def _adjectives(graph: ObjectGraph) -> list[str]:
     """Return the self attributes in English order: others, then color, then material."""
     known = [key for key in ATTRIBUTE_ORDER if key in graph.attributes]
     others = sorted(key for key in graph.attributes if key not in ATTRIBUTE_ORDER)
-    values = [(key, canonical_value(graph.attributes[key])) for key in (*others, *known)]
+    values = [(key, value_of(graph.attributes[key])) for key in (*others, *known)]
     return [ADJECTIVE.get(value, value) if key == MATERIAL else value for key, value in values]
 
 
@@ -116,7 +124,7 @@ def _relation(relation: Relation) -> str:
 
 def _predicate(fact: Fact) -> str:
     if isinstance(fact, Attribute):
-        value = canonical_value(fact.value)
+        value = value_of(fact.value)
         return f"made of {value}" if fact.type == MATERIAL else value
     return _relation(fact)
 

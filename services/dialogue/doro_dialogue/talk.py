@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from doro_schemas.graph import ObjectGraph
-from doro_schemas.messages import Belief, Clause, Evidence, Instance, Instances, Query
-from doro_schemas.messages.language import InstructionGraph
-
 from doro_dialogue.decision import Decision, decide, paper_literal
 from doro_dialogue.facts import Candidate
 from doro_dialogue.question import Part, Question, compose, pick
 from doro_dialogue.settings import DialogueSettings
+from doro_schemas.graph import ObjectGraph
+from doro_schemas.messages import Belief, Clause, Evidence, Instance, Instances, Query
+from doro_schemas.messages.language import InstructionGraph
 
 MAX_EVIDENCE = 3
 
