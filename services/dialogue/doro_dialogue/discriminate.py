@@ -30,7 +30,8 @@ from doro_dialogue.facts import (
 from doro_dialogue.matching import broader_values
 from doro_schemas.graph import ObjectGraph, Relation
 
-MAX_OPTIONS = 24
+MAX_OPTIONS = 16
+PIVOTS_TRIED = 6
 Key = tuple[object, ...]
 
 
@@ -159,8 +160,8 @@ def _search(
         reach &= mask
     if reach != goal:
         return None
-    for count in range(1, sum(option.size for option, _ in options) + 1):
-        found = [chosen for chosen in _sets_of_size(options, count) if _meet(start, chosen) == goal]
+    for size in range(1, sum(option.size for option, _ in options) + 1):
+        found = list(_sets_of_size(options, start, goal, size))
         if found:
             best = min(found, key=lambda chosen: _score(chosen, everyone))
             return [option.fact for option, _ in best]
@@ -168,19 +169,36 @@ def _search(
 
 
 def _sets_of_size(
-    options: list[tuple[_Option, int]], size: int
+    options: list[tuple[_Option, int]], mask: int, goal: int, size: int
 ) -> Iterator[tuple[tuple[_Option, int], ...]]:
-    """Yield the sets of facts whose sizes add up to ``size``."""
-    for count in range(1, size + 1):
-        for chosen in combinations(options, count):
-            if sum(option.size for option, _ in chosen) == size:
-                yield chosen
+    """Yield the sets of at most this size that exclude every group of ``mask`` but ``goal``.
+
+    Every such set has a fact that excludes any one of those groups: only such branches are
+    followed, and none of the smallest sets is missed.
+    """
+    if mask == goal:
+        yield ()
+        return
+    if size == 1:
+        yield from ((pair,) for pair in options if pair[0].size == 1 and mask & pair[1] == goal)
+        return
+    for pair in _branches(options, mask & ~goal):
+        if pair[0].size <= size:
+            for more in _sets_of_size(options, mask & pair[1], goal, size - pair[0].size):
+                yield (pair, *more)
 
 
-def _meet(start: int, chosen: tuple[tuple[_Option, int], ...]) -> int:
-    for _, mask in chosen:
-        start &= mask
-    return start
+def _branches(options: list[tuple[_Option, int]], left: int) -> list[tuple[_Option, int]]:
+    """Return the facts that exclude one of the groups left, one that few facts exclude."""
+    fewest = options
+    for _ in range(PIVOTS_TRIED):
+        lowest = left & -left
+        if not lowest:
+            break
+        excluding = [pair for pair in options if not pair[1] & lowest]
+        fewest = min(fewest, excluding, key=len)
+        left ^= lowest
+    return fewest
 
 
 def _score(
