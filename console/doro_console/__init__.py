@@ -1,0 +1,1 @@
+"""The command ``doro``: starts, plays, says, shows. It may use every service's core."""

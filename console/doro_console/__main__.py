@@ -1,0 +1,176 @@
+"""The command ``doro``; what each command does stands in a file of its own."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import click
+import msgspec
+from rich.console import Console
+
+from doro_console.media import import_folder, play, record, rooms
+from doro_console.options import Common, common_options, says_refusals, talk
+
+SENTENCES = (
+    "bring me the red cup",
+    "bring me the blue cup",
+    "pick up the green kettle",
+    "find the vase",
+)
+OUT = Path("out/demo")
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="doro-console")
+def main() -> None:
+    """DoRO: a robot that asks which one you mean."""
+
+
+@main.command()
+@click.option("--room", "recording", type=click.Path(path_type=Path), help="A recording (MCAP).")
+@click.option("--instruction", "-i", "instructions", multiple=True, help="May be repeated.")
+@click.option("--out", type=click.Path(path_type=Path, file_okay=False), default=OUT)
+@click.option("--backend", type=click.Choice(["oracle", "onnx"]), default="oracle")
+@click.option("--json", "as_json", is_flag=True, help="Queries as JSON lines on stdout.")
+@common_options
+@says_refusals
+def demo(
+    common: Common,
+    recording: Path | None,
+    instructions: tuple[str, ...],
+    out: Path,
+    backend: str,
+    as_json: bool,
+) -> None:
+    """Start everything, play a room, say an instruction, print the question."""
+    from doro_console.demo import DemoSettings, run_demo
+
+    settings = DemoSettings(
+        recording=recording,
+        instructions=instructions or SENTENCES,
+        out=out,
+        backend=backend,
+        as_json=as_json,
+    )
+    for query in run_demo(common, settings):
+        if as_json:
+            click.echo(json.dumps(msgspec.to_builtins(query)))
+
+
+@main.command()
+@common_options
+@says_refusals
+def up(common: Common) -> None:
+    """Run the router and all services on this host until Ctrl-C; loopback only."""
+    from doro_console.up import run_up
+
+    sys.exit(run_up(common))
+
+
+@main.command()
+@click.argument("text")
+@click.option("--wait", "wait_s", default=3.0, show_default=True, help="Seconds for the query.")
+@common_options
+@says_refusals
+def say(common: Common, text: str, wait_s: float) -> None:
+    """Say an instruction to the running services and print what comes back."""
+    from doro_console.conversation import Conversation
+    from doro_console.report import describe_graph, describe_query
+
+    with common.bus("say") as bus:
+        bus.stop_on_signals()
+        conversation = Conversation(bus)
+        parsed = conversation.say(text)
+        talk.print(f"heard:  {describe_graph(parsed)}", markup=False)
+        if parsed.graph is None:
+            sys.exit(1)
+        query = conversation.wait_for_query(1, wait_s)
+        if query is None:
+            talk.print("robot:  still looking around; the question comes when it has finished.")
+            return
+        click.echo("\n".join(describe_query(query)))
+
+
+@main.command()
+@click.option("--seconds", default=2.5, show_default=True, help="How long to listen at most.")
+@click.option("--json", "as_json", is_flag=True, help="JSON lines on stdout.")
+@common_options
+@says_refusals
+def status(common: Common, seconds: float, as_json: bool) -> None:
+    """Show which services are alive, what they did, and what they refused."""
+    from doro_console.status import gather, table
+
+    with common.bus("status") as bus:
+        statuses = gather(bus, seconds)
+    for entry in statuses if as_json else []:
+        click.echo(json.dumps(msgspec.to_builtins(entry)))
+    if not as_json:
+        Console().print(table(statuses))
+    sys.exit(0 if all(entry.alive for entry in statuses) else 1)
+
+
+@main.command()
+@common_options
+@says_refusals
+def view(common: Common) -> None:
+    """Watch a live run in Rerun's web viewer, on loopback."""
+    from doro_viewer.service import main as viewer
+
+    sys.argv = ["doro-viewer", "--config", str(common.config), "--set", "viewer.serve=true"]
+    for override in common.overrides:
+        sys.argv += ["--set", override]
+    viewer()
+
+
+@main.command()
+@click.option("--caption", is_flag=True, help="The texts are captions, not instructions.")
+@common_options
+@says_refusals
+def parse(common: Common, caption: bool) -> None:
+    """JSON lines {"id","text"} on stdin -> {"id","graph"} on stdout."""
+    from doro_console.lines import load_nlu, parse_record, run_lines
+
+    nlu = load_nlu(common.overrides)
+    run_lines(sys.stdin, sys.stdout, lambda one: parse_record(nlu, one, caption=caption))
+
+
+@main.command()
+@click.option("--paper-literal", is_flag=True, help="Decide by the paper's formulas as printed.")
+@click.option("--seed", default=0, show_default=True, help="Chooses the wording.")
+@common_options
+@says_refusals
+def decide(common: Common, paper_literal: bool, seed: int) -> None:
+    """JSON lines {"id","instruction" or "graph","instances"} -> {"id","state",...}."""
+    from doro_console.lines import decide_line, load_nlu, run_lines
+
+    nlu = load_nlu(common.overrides)
+    run_lines(
+        sys.stdin,
+        sys.stdout,
+        lambda one: decide_line(nlu, one, paper_literal=paper_literal, seed=seed),
+    )
+
+
+@main.group()
+def bench() -> None:
+    """Measure; figures go to stdout and, with --json, into a file."""
+
+
+@bench.command("bus")
+@click.option("--json", "json_path", type=click.Path(path_type=Path, dir_okay=False))
+@click.option("--count", default=400, show_default=True, help="Messages per series.")
+@says_refusals
+def bench_bus(json_path: Path | None, count: int) -> None:
+    """Publish-to-receive of our bus beside raw zenoh with the same settings, in one run."""
+    from doro_console.bench import run_bench_bus
+
+    run_bench_bus(json_path, count)
+
+
+for command in (play, record, import_folder, rooms):
+    main.add_command(command)
+
+if __name__ == "__main__":
+    main()

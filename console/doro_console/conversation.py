@@ -1,0 +1,56 @@
+"""Says an instruction on the bus and waits for what comes back."""
+
+from __future__ import annotations
+
+import time
+
+from doro_schemas.bus import Bus
+from doro_schemas.errors import Refused
+from doro_schemas.messages import Instruction, InstructionGraph, Query, Rejected
+from doro_schemas.messages.base import Message
+from doro_schemas.topics import TOPICS
+
+CONFIRM_TIMEOUT_S = 5.0
+
+
+class Conversation:
+    """Keeps what was understood and asked since it was opened."""
+
+    def __init__(self, bus: Bus) -> None:
+        self._bus = bus
+        self.parsed: list[InstructionGraph] = []
+        self.queries: list[Query] = []
+        self.rejected: list[Rejected] = []
+        for name in ("instruction_graph", "query", "rejected"):
+            bus.subscribe(TOPICS[name], self._heard, late=False)
+
+    def say(self, text: str) -> InstructionGraph:
+        """Say an instruction; return what nlu understood of it.
+
+        Raises:
+            Refused: the text is refused, or nobody heard it.
+        """
+        count, refusals = len(self.parsed), len(self.rejected)
+        self._bus.publish(Instruction(text=text, stamp_ns=time.time_ns()))
+        self._bus.run_until(
+            time.monotonic() + CONFIRM_TIMEOUT_S,
+            lambda: len(self.parsed) > count or len(self.rejected) > refusals,
+        )
+        if len(self.rejected) > refusals:
+            raise Refused(self.rejected[-1].reason)
+        if len(self.parsed) == count:
+            raise Refused("nobody understood the instruction: is doro-nlu running on this router?")
+        return self.parsed[-1]
+
+    def wait_for_query(self, count: int, timeout_s: float) -> Query | None:
+        """Return the latest query once there are ``count``; None if they do not come in time."""
+        self._bus.run_until(time.monotonic() + timeout_s, lambda: len(self.queries) >= count)
+        return self.queries[-1] if len(self.queries) >= count else None
+
+    def _heard(self, message: Message) -> None:
+        if isinstance(message, InstructionGraph):
+            self.parsed.append(message)
+        elif isinstance(message, Query):
+            self.queries.append(message)
+        elif isinstance(message, Rejected):
+            self.rejected.append(message)

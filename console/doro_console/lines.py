@@ -1,0 +1,77 @@
+"""``doro parse`` and ``doro decide``: JSON lines in, JSON lines out, by the services' cores."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Iterator
+from typing import IO, Any
+
+import msgspec
+
+from doro_dialogue.decide_lines import decide_record
+from doro_nlu.core import Nlu
+from doro_nlu.settings import NluSettings
+from doro_schemas.errors import Refused
+from doro_schemas.settings import load_settings
+
+Record = dict[str, Any]
+
+
+def parse_record(nlu: Nlu, record: Record, *, caption: bool) -> Record:
+    """Return ``{"id", "graph", ...}`` of one ``{"id", "text"}``; graph is None with a reason."""
+    name, text = record.get("id"), record.get("text")
+    if not isinstance(text, str):
+        return {"id": name, "graph": None, "reason": "the record has no text"}
+    try:
+        parsed = nlu.parse_text(text, caption=caption)
+    except Refused as refused:
+        return {"id": name, "graph": None, "reason": refused.reason}
+    answer: Record = {"id": name, "graph": msgspec.to_builtins(parsed.graph)}
+    if parsed.reason:
+        answer["reason"] = parsed.reason
+    if parsed.readings:
+        answer["readings"] = msgspec.to_builtins(parsed.readings)
+    return {**answer, "task": parsed.task, "confidence": round(parsed.confidence, 4)}
+
+
+def decide_line(nlu: Nlu, record: Record, *, paper_literal: bool, seed: int) -> Record:
+    """Return the decision of one record; an ``instruction`` is parsed first."""
+    if record.get("graph") is None and "instruction" in record:
+        parsed = parse_record(
+            nlu, {"id": record.get("id"), "text": record["instruction"]}, caption=False
+        )
+        if parsed["graph"] is None:
+            return {"id": record.get("id"), "error": parsed["reason"]}
+        record = {**record, "graph": parsed["graph"], "task": parsed["task"]}
+    return decide_record(record, paper_literal=paper_literal, seed=seed)
+
+
+def load_nlu(overrides: Iterable[str]) -> Nlu:
+    """Return nlu's core with its model."""
+    return Nlu(load_settings("nlu", NluSettings, None, list(overrides)))
+
+
+def run_lines(source: IO[str], target: IO[str], answer: Callable[[Record], Record]) -> int:
+    """Answer every JSON line; a line that is none gives an ``error`` line. Return the count."""
+    count = 0
+    for number, record in _records(source):
+        result = (
+            answer(record)
+            if record is not None
+            else {"id": None, "error": f"line {number} is no JSON object"}
+        )
+        target.write(json.dumps(result, ensure_ascii=False) + "\n")
+        target.flush()
+        count += 1
+    return count
+
+
+def _records(source: IO[str]) -> Iterator[tuple[int, Record | None]]:
+    for number, line in enumerate(source, 1):
+        if not line.strip():
+            continue
+        try:
+            record = json.loads(line)
+        except (ValueError, RecursionError):
+            record = None
+        yield number, record if isinstance(record, dict) else None

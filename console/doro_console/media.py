@@ -1,0 +1,122 @@
+"""Commands around recordings: play, record, import, rooms."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+from doro_console.options import Common, common_options, says_refusals, talk
+from doro_console.processes import NEEDED
+from doro_schemas.errors import Refused
+
+if TYPE_CHECKING:
+    from doro_schemas.bus import Bus
+    from doro_sim_feeder.play import PlaySettings
+    from doro_sim_feeder.recording import Recording
+
+
+@click.command()
+@click.argument("recording", type=click.Path(path_type=Path))
+@click.option("--speed", default=0.0, help="0: as fast as the chain takes it; 1: real time.")
+@click.option("--info", is_flag=True, help="Only say what the recording holds (JSON).")
+@click.option("--salvage", is_flag=True, help="Play what is whole in a file that was cut off.")
+@click.option("--wait", "wait_s", default=10.0, show_default=True, help="Seconds for services.")
+@common_options
+@says_refusals
+def play(
+    common: Common, recording: Path, speed: float, info: bool, salvage: bool, wait_s: float
+) -> None:
+    """Play a recording to the running services as if it were the robot."""
+    from doro_sim_feeder.play import PlaySettings
+    from doro_sim_feeder.recording import Recording, describe
+
+    if info:
+        click.echo(json.dumps(describe(Recording(recording, salvage=True))))
+        return
+    with common.bus("feeder") as bus:
+        bus.stop_on_signals()
+        try:
+            opened = Recording(recording, salvage=salvage)
+        except Refused as refused:
+            bus.reject(str(recording.name), refused)
+            raise
+        _play_with_progress(bus, opened, PlaySettings(speed=speed), wait_s)
+
+
+def _play_with_progress(bus: Bus, opened: Recording, settings: PlaySettings, wait_s: float) -> None:
+    from doro_schemas.messages import GridRequest, GridSnapshot
+    from doro_sim_feeder.play import Player
+    from doro_sim_feeder.presence import Presence
+
+    Presence(bus).wait_for(NEEDED, wait_s)
+    total = sum(n for key, n in opened.counts.items() if key.endswith("/depth")) or None
+    columns = (TextColumn("playing"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=talk, transient=True) as progress:
+        task = progress.add_task("frames", total=total)
+        player = Player(bus, settings, lambda sent, _: progress.update(task, completed=sent))
+        report = player.play(opened)
+    snapshot = bus.ask(GridRequest())
+    digest = snapshot.digest if isinstance(snapshot, GridSnapshot) else ""
+    click.echo(
+        json.dumps(
+            {
+                "episode": report.episode,
+                "frames": report.frames,
+                "merged": report.merged,
+                "refused": report.refused,
+                "lost": report.lost,
+                "elapsed_s": round(report.elapsed_s, 3),
+                "map_digest": digest,
+            }
+        )
+    )
+    if report.lost or report.merged < report.frames:
+        sys.exit(2)
+
+
+@click.command()
+@click.option("--bus", "from_bus", is_flag=True, help="Record from the bus.")
+@click.option("--out", type=click.Path(path_type=Path, dir_okay=False), required=True)
+@click.option("--seconds", type=float, help="Stop after so long; default: at Ctrl-C.")
+@click.option("--topic", "topics", multiple=True, help="Only these topics, by name.")
+@common_options
+@says_refusals
+def record(
+    common: Common, from_bus: bool, out: Path, seconds: float | None, topics: tuple[str, ...]
+) -> None:
+    """Record what passes on the bus into an MCAP file."""
+    from doro_sim_feeder.record import record_bus
+
+    if not from_bus:
+        raise Refused("say where to record from: --bus")
+    with common.bus("recorder") as bus:
+        bus.stop_on_signals()
+        count = record_bus(bus, out, topics, seconds=seconds)
+    talk.print(f"recorded {count} messages into {out}")
+
+
+@click.command("import")
+@click.argument("folder", type=click.Path(path_type=Path, file_okay=False))
+@click.option("--out", type=click.Path(path_type=Path, dir_okay=False), required=True)
+@click.option("--walk", "walks", multiple=True, help="Only these walks of the folder.")
+@click.option("--episode", default="", help="Name of the episode; default: the folder's name.")
+@says_refusals
+def import_folder(folder: Path, out: Path, walks: tuple[str, ...], episode: str) -> None:
+    """Make a recording of a folder with colour, depth and poses (frames.json)."""
+    from doro_sim_feeder.folder import FrameFolder
+    from doro_sim_feeder.recording import write_recording
+
+    source = FrameFolder(folder)
+    metadata = {"source": "folder", "room": folder.name, "walks": ", ".join(walks)}
+    count = write_recording(out, source.messages(list(walks), episode), metadata)
+    talk.print(f"{count} messages of {folder.name} in {out}")
+
+
+@click.group()
+def rooms() -> None:
+    """Render iTHOR rooms without Unity (needs the extra doro-sim-feeder[render])."""
