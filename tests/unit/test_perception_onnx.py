@@ -10,9 +10,11 @@ import cv2
 import msgspec
 import numpy as np
 import pytest
+
 from doro_perception.backend import RgbImage, intersection_over_union
 from doro_perception.core import Perception
-from doro_perception.onnx_ssd import CLASSES_FILE, PACKAGED_MODEL, OnnxSsd, stretched
+from doro_perception.onnx_model import CLASSES_FILE, PACKAGED_MODEL, stretched
+from doro_perception.onnx_ssd import OnnxSsd
 from doro_perception.settings import NOT_HOUSEHOLD, STRUCTURE, PerceptionSettings
 from doro_schemas.errors import Refused
 from doro_schemas.messages import ColorFrame, FrameCaptions
@@ -118,7 +120,7 @@ def test_stretching_leaves_a_flat_wall_flat() -> None:
 
 
 def test_names_are_household_names(detector: OnnxSsd) -> None:
-    names = detector._kept_names
+    names = detector.names
     assert {"dining table", "television", "house plant", "remote control", "sofa"} <= set(names)
     assert not {"diningtable", "tvmonitor", "pottedplant", "person", "airplane"} & set(names)
     assert len(names) == len(set(names)) == 80 - len(NOT_HOUSEHOLD)
@@ -181,7 +183,7 @@ def test_a_class_list_that_does_not_fit_is_refused(tmp_path: Path) -> None:
 
 def test_leaving_out_every_class_is_refused(detector: OnnxSsd) -> None:
     with pytest.raises(Refused, match="leaves no class"):
-        OnnxSsd(settings(onnx_leave_out=(*NOT_HOUSEHOLD, *detector._kept_names)))
+        OnnxSsd(settings(onnx_leave_out=(*NOT_HOUSEHOLD, *detector.names)))
 
 
 def test_settings_come_from_the_table(tmp_path: Path) -> None:

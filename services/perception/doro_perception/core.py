@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+from doro_perception.backend import Detection, DetectionBackend, RgbImage, big_enough, clip_box
+from doro_perception.caption import caption
+from doro_perception.colour import colour_of_box
+from doro_perception.image import decode
+from doro_perception.oracle import Oracle
+from doro_perception.settings import PerceptionSettings
 from doro_schemas.effects import Output
 from doro_schemas.errors import Refused
 from doro_schemas.graph import ObjectGraph
@@ -12,13 +18,6 @@ from doro_schemas.messages import (
     FrameCaptions,
     SimDetections,
 )
-
-from doro_perception.backend import Detection, DetectionBackend, RgbImage, big_enough, clip_box
-from doro_perception.caption import caption
-from doro_perception.colour import colour_of_box
-from doro_perception.image import decode
-from doro_perception.oracle import Oracle
-from doro_perception.settings import PerceptionSettings
 
 
 class Perception:

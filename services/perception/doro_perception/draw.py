@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
-from doro_schemas.messages import CaptionedBox, FrameCaptions
 
 from doro_perception.backend import RgbImage
 from doro_perception.caption import caption
+from doro_schemas.messages import CaptionedBox, FrameCaptions
 
 # Distinct on walls and floors alike; a caption keeps the colour of its box.
 LINE_RGB = (

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
-from doro_schemas.errors import Refused
-from doro_schemas.messages import ColorFrame
 
 from doro_perception.backend import RgbImage
+from doro_schemas.errors import Refused
+from doro_schemas.messages import ColorFrame
 
 JPEG_START, JPEG_END = b"\xff\xd8\xff", b"\xff\xd9"
 PNG_START, PNG_END = b"\x89PNG\r\n\x1a\n", b"IEND\xaeB`\x82"

@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import re
 
+from doro_perception.backend import big_enough, clip_box
+from doro_perception.caption import caption
+from doro_perception.settings import PerceptionSettings
 from doro_schemas.errors import Refused
 from doro_schemas.graph import ObjectGraph, Relation
 from doro_schemas.messages import CaptionedBox, SimDetection, SimDetections
 from doro_schemas.vocabulary import canonical_name, canonical_value, split_camel_case
-
-from doro_perception.backend import big_enough, clip_box
-from doro_perception.caption import caption
-from doro_perception.settings import PerceptionSettings
 
 CLASS_TEXT = re.compile(r"[A-Za-z][A-Za-z0-9 _]{0,39}")
 VALUE_TEXT = re.compile(r"[A-Za-z][A-Za-z -]{0,29}")

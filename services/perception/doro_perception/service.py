@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from doro_schemas.messages import ColorFrame, SimDetections
-from doro_schemas.runner import Shell, run_service
-
 from doro_perception.core import Perception
 from doro_perception.onnx_ssd import OnnxSsd
 from doro_perception.settings import PerceptionSettings
+from doro_schemas.messages import ColorFrame, SimDetections
+from doro_schemas.runner import Shell, run_service
 
 
 def wire(shell: Shell, settings: PerceptionSettings) -> None:

@@ -68,6 +68,8 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
         flip: look at the mirrored image as well.
         tiles: look at 2 x 2 or 3 x 3 overlapping tiles as well (small and far things); 0: none.
         stretch: stretch the contrast of what the detector sees (dim rooms).
+        second_looks: look once more, closely, at this many of the best candidates; then only
+            what is seen there counts. 0: what is seen at first counts.
         onnx_leave_out: canonical names of classes that the detector is not to report.
         top_classes: length of the class distribution that goes with each detection.
         colour: name the colour of each crop.
@@ -81,13 +83,14 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     relation_joiner: Literal["", "and"] = ""
     model: str = ""
     threads: int = 1
-    score_threshold: float = 0.3
+    score_threshold: float = 0.4
     class_thresholds: dict[str, float] = {}
     nms_iou: float = 0.55
     max_area_share: float = 0.4
     flip: bool = False
     tiles: Literal[0, 2, 3] = 2
     stretch: bool = True
+    second_looks: int = 8
     onnx_leave_out: tuple[str, ...] = NOT_HOUSEHOLD
     top_classes: int = 5
     colour: bool = True
@@ -98,5 +101,6 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
             raise ValueError("thresholds, nms_iou and max_area_share must be in 0..1")
         if not 1 <= self.threads <= 64:
             raise ValueError(f"threads must be in 1..64, got {self.threads}")
-        if self.min_side_px < 0 or self.min_area_px < 0 or self.top_classes < 0:
-            raise ValueError("min_side_px, min_area_px and top_classes must not be negative")
+        counts = (self.min_side_px, self.min_area_px, self.top_classes, self.second_looks)
+        if min(counts) < 0:
+            raise ValueError("sizes, top_classes and second_looks must not be negative")

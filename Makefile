@@ -1,0 +1,49 @@
+# Two commands for a newcomer: `make demo` and `make test`. Both make their own environment.
+PYTHON ?= python3.11
+VENV := .venv
+BIN := $(VENV)/bin
+PROJECTS := schemas services/nlu services/perception services/mapper services/dialogue \
+            services/viewer sim-feeder console
+PACKAGES := $(wildcard schemas/doro_* services/*/doro_* sim-feeder/doro_* console/doro_*)
+STAMP := $(VENV)/.installed
+
+.PHONY: setup demo test check format lock generate clean
+
+setup: $(STAMP)
+
+$(STAMP): requirements.lock $(addsuffix /pyproject.toml,$(PROJECTS))
+	@command -v $(PYTHON) >/dev/null || { echo "$(PYTHON) is missing: install Python 3.11 or call make PYTHON=..." >&2; exit 1; }
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation $(addprefix -e ./,$(PROJECTS))
+	@touch $(STAMP)
+
+demo: setup
+	$(BIN)/doro demo
+
+test: setup check
+	$(BIN)/python -m pytest
+
+check: setup
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy $(PACKAGES)
+
+format: setup
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+# Pinned requirements with hashes; names no host. Needs uv.
+lock:
+	uv pip compile --quiet --universal --generate-hashes --no-emit-index-url --no-annotate --no-header \
+	    --python-version 3.11 --group dev --extra render \
+	    $(addsuffix /pyproject.toml,$(PROJECTS)) -o requirements.lock
+
+# What is generated and committed: JSON Schemas, golden bytes, the topic table in the READMEs.
+generate: setup
+	$(BIN)/python -m tools.generate
+
+clean:
+	rm -rf $(VENV) out .pytest_cache .mypy_cache .ruff_cache
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+	find . -name '*.egg-info' -type d -prune -exec rm -rf {} +
