@@ -37,6 +37,7 @@ format: setup
 lock:
 	uv pip compile --quiet --universal --generate-hashes --no-emit-index-url --no-annotate --no-header \
 	    --python-version 3.11 --group dev --extra render \
+	    $(foreach name,schemas nlu perception mapper dialogue viewer sim-feeder,--no-emit-package doro-$(name)) \
 	    $(addsuffix /pyproject.toml,$(PROJECTS)) -o requirements.lock
 
 # What is generated and committed: JSON Schemas, golden bytes, the topic table in the READMEs.

@@ -1,6 +1,7 @@
 """Label sequences to graphs, without a model. Short form: ``cup{color=red}(is-on table)``."""
 
 import pytest
+
 from doro_nlu.parser import parse
 from doro_nlu.tagger import Tagged
 from doro_nlu.train.annotate import annotate

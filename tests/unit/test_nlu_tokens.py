@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+
 from doro_nlu.labels import LABELS, may_follow
 from doro_nlu.tokens import tokenize
 

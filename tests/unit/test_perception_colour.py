@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from doro_perception.backend import RgbImage
 from doro_perception.colour import COLOURS, central_crop, colour_name, colour_of_box
 

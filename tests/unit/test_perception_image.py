@@ -3,6 +3,7 @@
 import cv2
 import numpy as np
 import pytest
+
 from doro_perception.backend import Detection, RgbImage
 from doro_perception.core import Perception
 from doro_perception.draw import draw_captions

@@ -1,6 +1,7 @@
 """The oracle says what the simulator knows, in English that has one reading per object."""
 
 import pytest
+
 from doro_perception.caption import caption
 from doro_perception.core import Perception
 from doro_perception.settings import PerceptionSettings

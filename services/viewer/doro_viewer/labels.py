@@ -16,7 +16,8 @@ _STEPS = 24
 _RINGS_PX = (26, 44, 66, 92, 124, 160, 200, 250)
 _GAP_PX = 5
 _COST_PER_PX = 0.012
-"""Cost of distance, in shares of a label's area that lie on something else."""
+"""Cost of distance, beside the mean weight of what a label and its leader line hide."""
+_LEADER_SAMPLES = 48
 
 
 class Label(msgspec.Struct, frozen=True):
@@ -32,7 +33,7 @@ def place(
 ) -> list[tuple[Box, tuple[int, int]]]:
     """Return for each label its box and where its leader line meets its thing.
 
-    Greedy: labels are placed in the given order on the cheapest of a fixed set of places
+    Greedy: labels are placed in the given order, each on the cheapest of a fixed set of places
     around the anchor; what is placed, leader included, is an obstacle to the next.
 
     Args:
@@ -62,11 +63,24 @@ def _cheapest(label: Label, taken: NDArray[Any], area: Box) -> Box:
         hidden = sums[bottom, right] - sums[top, right] - sums[bottom, left] + sums[top, left]
         away_px = math.dist(*_nearest(label.anchor, box))
         cost = hidden / (label.width_px * label.height_px) + away_px * _COST_PER_PX
+        if best is not None and cost >= best[0]:
+            continue
+        cost += _leader_cost(taken, label.anchor, box)
         if best is None or cost < best[0]:
             best = (cost, box)
     if best is None:
         raise ValueError(f"a label of {label.width_px} px does not fit into {area}")
     return best[1]
+
+
+def _leader_cost(taken: NDArray[Any], anchor: Box, box: Box) -> float:
+    """Return the mean weight of what the leader line crosses outside its own thing."""
+    (x0, y0), (x1, y1) = leader(_foot(anchor, box), box)
+    share = np.linspace(0.0, 1.0, _LEADER_SAMPLES)
+    x = (x0 + (x1 - x0) * share).astype(int).clip(0, taken.shape[1] - 1)
+    y = (y0 + (y1 - y0) * share).astype(int).clip(0, taken.shape[0] - 1)
+    outside = (x < anchor[0] - 4) | (x > anchor[2] + 4) | (y < anchor[1] - 4) | (y > anchor[3] + 4)
+    return float(taken[y, x][outside].mean()) if outside.any() else 0.0
 
 
 def _candidates(label: Label, area: Box) -> list[Box]:
@@ -116,4 +130,4 @@ def _block_leader(taken: NDArray[Any], box: Box, foot: tuple[int, int]) -> None:
     for step in range(count + 1):
         x = x0 + (x1 - x0) * step // count
         y = y0 + (y1 - y0) * step // count
-        taken[max(0, y - 2) : y + 3, max(0, x - 2) : x + 3] += 4.0
+        taken[max(0, y - 2) : y + 3, max(0, x - 2) : x + 3] = 15.0

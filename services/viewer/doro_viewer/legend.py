@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from doro_viewer import map_panel as panel
-from doro_viewer.colors import Rgb, graph_color, mix
+from doro_viewer.colors import Rgb, mix
 from doro_viewer.lettering import Canvas, Style, line, rectangle, wrap, write
-from doro_viewer.words import noun_phrase
 
 LEGEND_PX = 268
 LANDMARK_SHARE = 0.40
@@ -35,12 +34,11 @@ def draw_legend(
     left, top = corner
     write(canvas, "Legend", left, top + 14, _TITLE)
     y = top + 42
-    rows = [(graph_color(region.graph), noun_phrase(region.graph)) for region in asked]
+    rows = [(region.color, region.name) for region in asked]
     y = _rows(canvas, left, y, rows)
-    named = {region.graph.name: region for region in landmarks}
     rows = [
-        (mix(panel.OTHER, graph_color(named[name].graph), LANDMARK_SHARE), f"{name} (landmark)")
-        for name in sorted(named)
+        (mix(panel.OTHER, region.color, LANDMARK_SHARE), f"{region.name} (landmark)")
+        for region in landmarks
     ]
     y = _rows(canvas, left, y, rows)
     rows = [(panel.OTHER, "other things"), (panel.FLOOR, "observed floor")]

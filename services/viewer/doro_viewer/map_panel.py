@@ -9,13 +9,14 @@ import cv2
 import msgspec
 import numpy as np
 from doro_schemas.camera import World, bev_axes
-from doro_schemas.graph import ObjectGraph, identity
+from doro_schemas.graph import identity
 from doro_schemas.messages import GridSnapshot, Instance
 from numpy.typing import NDArray
 
-from doro_viewer.colors import Rgb, graph_color, mix
+from doro_viewer.colors import Rgb, graph_color, mix, stable_color
 from doro_viewer.labels import Box
 from doro_viewer.lettering import Canvas, Style, line, rectangle, text_width_px, write
+from doro_viewer.words import noun_phrase
 
 FLOOR: Rgb = (229, 229, 229)
 OTHER: Rgb = (200, 200, 200)
@@ -50,9 +51,10 @@ class Frame(msgspec.Struct, frozen=True):
 
 
 class Region(msgspec.Struct, frozen=True):
-    """Cells of one kind of graph: int32 (n, 2) and their share of the strongest, 0..1."""
+    """Cells of one kind: int32 (n, 2), their share of the strongest, 0..1, name and colour."""
 
-    graph: ObjectGraph
+    name: str
+    color: Rgb
     cells: NDArray[np.int32]
     strength: NDArray[np.float64]
 
@@ -90,33 +92,38 @@ def frame_for(
     return Frame(box=limit, low_m=(float(low[0]), float(low[1])), px_per_m=px_per_m)
 
 
-def regions(snapshot: GridSnapshot, wanted: set[str]) -> list[Region]:
-    """Return the cells of each graph whose class is wanted, height bands added up.
+def regions(snapshot: GridSnapshot, wanted: set[str], *, by_class: bool = False) -> list[Region]:
+    """Return the cells of each kind of graph whose class is wanted, height bands added up.
 
-    Graphs that read the same count as one; the order is that of their text.
+    A kind is class and self attributes, or, ``by_class``, the class alone. Where several
+    kinds share a cell, it belongs to the one with the most weight there. In the order of
+    their text.
     """
     graphs = {entry.graph_id: entry.graph for entry in snapshot.graphs}
-    sums: dict[str, dict[tuple[int, int], float]] = {}
-    shown: dict[str, ObjectGraph] = {}
-    for (graph_id, a, b, *_), weight in zip(
-        snapshot.cells.tolist(), snapshot.weights.tolist(), strict=True
-    ):
+    looks: dict[str, tuple[str, Rgb]] = {}
+    sums: dict[tuple[int, int], dict[str, float]] = {}
+    weights = snapshot.weights.tolist()
+    for (graph_id, a, b, *_), weight in zip(snapshot.cells.tolist(), weights, strict=True):
         graph = graphs.get(graph_id)
         if graph is None or graph.name not in wanted:
             continue
-        key = identity(graph)
-        shown.setdefault(key, graph)
-        cells = sums.setdefault(key, {})
-        cells[a, b] = cells.get((a, b), 0.0) + weight
-    found = []
-    for key in sorted(sums):
-        cells = dict(sorted(sums[key].items()))
-        strength = np.array(list(cells.values()), dtype=np.float64)
-        top = max(float(strength.max()), 1e-9)
-        found.append(
-            Region(shown[key], np.array(list(cells), dtype=np.int32), (strength / top).clip(0, 1))
-        )
-    return found
+        key = graph.name if by_class else identity(graph)
+        if key not in looks:
+            color = stable_color(key) if by_class else graph_color(graph)
+            looks[key] = (graph.name if by_class else noun_phrase(graph), color)
+        shares = sums.setdefault((a, b), {})
+        shares[key] = shares.get(key, 0.0) + weight
+    owned: dict[str, dict[tuple[int, int], float]] = {}
+    for cell in sorted(sums):
+        key, weight = max(sorted(sums[cell].items()), key=lambda item: item[1])
+        owned.setdefault(key, {})[cell] = weight
+    return [_region(*looks[key], owned[key]) for key in sorted(owned)]
+
+
+def _region(name: str, color: Rgb, owned: dict[tuple[int, int], float]) -> Region:
+    strength = np.array(list(owned.values()), dtype=np.float64)
+    strength = (strength / max(float(strength.max()), 1e-9)).clip(0, 1)
+    return Region(name, color, np.array(list(owned), dtype=np.int32), strength)
 
 
 def draw_ground(canvas: Canvas, frame: Frame, snapshot: GridSnapshot) -> None:
@@ -144,11 +151,11 @@ def cell_boxes(frame: Frame, cells: NDArray[np.int32], cell_m: float) -> Iterato
 
 
 def draw_region(canvas: Canvas, frame: Frame, region: Region, cell_m: float, share: float) -> None:
-    """Draw a region in its graph's colour, weak cells paler, with an outline.
+    """Draw a region in its colour, weak cells paler, with an outline.
 
     ``share`` is how much of the colour the strongest cell shows over gray.
     """
-    color = graph_color(region.graph)
+    color = region.color
     mask = np.zeros(canvas.shape[:2], dtype=np.uint8)
     boxes = cell_boxes(frame, region.cells, cell_m)
     for box, strength in zip(boxes, region.strength.tolist(), strict=True):

@@ -71,7 +71,7 @@ def draw_map(
     asked, landmarks = _classes(snapshot, instances, query)
     frame = panel.frame_for(snapshot, instances, world, map_box[2] - map_box[0], map_box)
     asked_regions = panel.regions(snapshot, asked)
-    landmark_regions = panel.regions(snapshot, landmarks)
+    landmark_regions = panel.regions(snapshot, landmarks, by_class=True)
     _draw_panel(canvas, frame, snapshot, landmark_regions, asked_regions)
     panel.draw_axes(canvas, frame, world)
     _draw_instances(canvas, frame, instances, query.matches if query else [], world)
@@ -168,14 +168,14 @@ def _draw_tag(canvas: Canvas, box: Box, tag: _Tag) -> None:
 
 
 def _obstacles(canvas: Canvas, frame: panel.Frame, tags: list[_Tag]) -> NDArray[np.uint8]:
-    """Return how bad it is to hide each pixel: things 3, path and coloured cells 1-2."""
+    """Return how bad it is to hide each pixel: instances most, gray things least."""
     spread = canvas.max(axis=2).astype(np.int16) - canvas.min(axis=2)
     weights = np.where(spread > 24, 2, 0).astype(np.uint8)
     weights[(canvas == panel.OTHER).all(axis=2)] = 1
     for left, top, right, bottom in (tag.anchor for tag in tags):
-        weights[max(0, top - 3) : bottom + 4, max(0, left - 3) : right + 4] = 12
+        weights[max(0, top - 8) : bottom + 9, max(0, left - 8) : right + 9] = 60
     left, top, right, bottom = panel.scale_bar_box(frame)
-    weights[top:bottom, left:right] = 12
+    weights[top:bottom, left:right] = 60
     return weights
 
 

@@ -10,6 +10,7 @@ import rerun.blueprint as rrb
 CAMERA = "camera"
 MAP = "map"
 TALK = "talk"
+SUMMARY = "summary"
 TIMELINE = "frame"
 _EYE_HEIGHT_PER_EXTENT = 1.05
 """Rerun's eye has a vertical field of view of about 55 degrees; this leaves a small margin."""
@@ -18,8 +19,8 @@ _EYE_HEIGHT_PER_EXTENT = 1.05
 class Bounds(msgspec.Struct, frozen=True):
     """Ground area that the map view shows, metres, in (a, b)."""
 
-    low_m: tuple[float, float] = (-2.0, -2.0)
-    high_m: tuple[float, float] = (2.0, 2.0)
+    low_m: tuple[float, float]
+    high_m: tuple[float, float]
 
     def covers(self, other: Bounds) -> bool:
         """Tell whether ``other`` lies inside."""
@@ -57,6 +58,10 @@ def eye_above(bounds: Bounds) -> rrb.EyeControls3D:
     )
 
 
+def _talk_columns() -> rrb.TextLogColumns:
+    return rrb.TextLogColumns(timeline_columns=[TIMELINE], text_log_columns=["loglevel", "body"])
+
+
 def blueprint(cameras: Sequence[str], bounds: Bounds, *, depth: bool) -> rrb.Blueprint:
     """Return the arrangement for the cameras seen so far."""
     views: list[rrb.View] = []
@@ -75,8 +80,12 @@ def blueprint(cameras: Sequence[str], bounds: Bounds, *, depth: bool) -> rrb.Blu
     return rrb.Blueprint(
         rrb.Vertical(
             rrb.Horizontal(left, above, column_shares=[1, 1]),
-            rrb.TextLogView(origin=f"/{TALK}", name="Talk"),
-            row_shares=[3, 1],
+            rrb.Horizontal(
+                rrb.TextDocumentView(origin=f"/{SUMMARY}", name="Now"),
+                rrb.TextLogView(origin=f"/{TALK}", name="Talk", columns=_talk_columns()),
+                column_shares=[1, 1],
+            ),
+            row_shares=[5, 2],
         ),
         rrb.TimePanel(timeline=TIMELINE, state="collapsed"),
         rrb.SelectionPanel(state="hidden"),

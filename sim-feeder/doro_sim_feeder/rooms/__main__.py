@@ -8,10 +8,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import msgspec
+
 from doro_schemas.errors import Refused
 from doro_schemas.messages import Exploration, SimDetections
 from doro_schemas.messages.base import Message
-
 from doro_sim_feeder.rooms.episode import RoomEpisode
 from doro_sim_feeder.rooms.placement import CopySpec
 from doro_sim_feeder.rooms.sheet import write_sheet

@@ -77,6 +77,8 @@ USUAL_COLORS = {
     "Cabinet": ("white", "brown", "gray"),
     "Drawer": ("white", "brown", "gray"),
     "Shelf": ("brown", "white"),
+    "Curtains": ("white", "gray", "blue", "brown"),
+    "Blinds": ("white", "gray"),
     "GarbageCan": ("gray", "black", "blue", "green"),
     "PaperTowelRoll": ("white",),
     "TissueBox": ("white", "blue", "pink"),

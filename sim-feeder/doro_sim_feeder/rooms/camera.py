@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from doro_schemas.camera import Intrinsics, Pose, intrinsics_from_vertical_fov
 from numpy.typing import NDArray
 
+from doro_schemas.camera import Intrinsics, Pose, intrinsics_from_vertical_fov
 from doro_sim_feeder.rooms.raycast import Hits, RayCaster
 from doro_sim_feeder.rooms.shading import Shader
 

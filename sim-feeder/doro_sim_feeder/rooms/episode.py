@@ -7,11 +7,11 @@ from collections.abc import Iterator
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
+
 from doro_schemas.errors import Refused
 from doro_schemas.messages import ColorFrame, DepthFrame, Exploration, SimDetections
 from doro_schemas.messages.base import Message
-from numpy.typing import NDArray
-
 from doro_sim_feeder.rooms.camera import Camera, Picture
 from doro_sim_feeder.rooms.exploration import View, plan_views
 from doro_sim_feeder.rooms.footprints import CELL_M

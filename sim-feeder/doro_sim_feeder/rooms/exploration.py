@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import msgspec
 import numpy as np
-from doro_schemas.camera import Pose, pose_from_ai2thor
 from numpy.typing import NDArray
 
+from doro_schemas.camera import Pose, pose_from_ai2thor
 from doro_sim_feeder.rooms.placement import CAMERA_HEIGHT_M
 
 YAW_STEP_DEG = 45

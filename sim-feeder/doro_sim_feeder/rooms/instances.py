@@ -6,8 +6,8 @@ import functools
 from dataclasses import dataclass, replace
 
 import numpy as np
-from doro_schemas.spatial import Box3
 
+from doro_schemas.spatial import Box3
 from doro_sim_feeder.rooms.footprints import Rect
 from doro_sim_feeder.rooms.parts import Floats, Part, bounds
 

@@ -14,9 +14,9 @@ from pathlib import Path, PurePosixPath
 
 import msgspec
 import numpy as np
-from doro_schemas.errors import Refused
 from numpy.typing import NDArray
 
+from doro_schemas.errors import Refused
 from doro_sim_feeder.rooms.obj_files import parse_obj
 from doro_sim_feeder.rooms.parts import Part, bounds, unit
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import msgspec
 import numpy as np
-from doro_schemas.errors import Refused
 from numpy.typing import NDArray
 
+from doro_schemas.errors import Refused
 from doro_sim_feeder.rooms.appearance import COPY_MATERIALS, PALETTE, usual_material
 from doro_sim_feeder.rooms.instances import BACKGROUND, Instance
 from doro_sim_feeder.rooms.layout import load_layout, sizes_of_type
@@ -18,8 +19,10 @@ from doro_sim_feeder.rooms.scene import Scene, Vector, local_size, object_parts
 
 CAMERA_HEIGHT_M = 1.576
 TWIN_SHARE = 0.3
-CANDIDATES = 1500
+CANDIDATES = 2500
 FLAT_M = 0.012
+SOFT_M = 0.07  # what soft things may lean on: cushions are no planes
+SOFT = frozenset({"Pillow", "TeddyBear", "Cloth"})
 CLEARANCE_M = 0.03
 SEEN_WITHIN_M = 2.6
 SPREADS_M = (1.2, 0.8, 0.5, 0.3)  # tried in turn: copies stand apart where the room allows
@@ -161,7 +164,7 @@ def _find_place(scene: Scene, caster: RayCaster, copy: _Copy, search: _Search) -
     """Return the first place that fits, on a receptacle without a copy where there is one."""
     candidates, made = search.candidates, search.made
     low, high = bounds(copy.shape)
-    tops = _surface(caster, candidates, float(max(high[0] - low[0], high[2] - low[2])))
+    tops = _surface(caster, candidates, copy, high - low)
     least = 0 if copy.on_floor else max(3, len(scene.cells) // 12)
     used = {receptacle for item in made for receptacle in item.receptacles}
     names = [scene.instances[k].object_id for k in candidates.support]
@@ -174,7 +177,8 @@ def _find_place(scene: Scene, caster: RayCaster, copy: _Copy, search: _Search) -
         placed = place(copy.shape, float(candidates.yaw_deg[k]), position)
         if not (_apart(placed, made, search.spread_m) and _free(placed, scene, made)):
             continue
-        middle = np.array(position) + [0, float(high[1]) / 2, 0]
+        middle = np.array(position)
+        middle[1] += float(high[1]) / 2
         if copy.on_floor and not _passable(scene, placed):
             continue
         if _seen_from(scene, caster, middle) >= least:
@@ -203,17 +207,25 @@ def _draw(scene: Scene, on_floor: bool, rng: np.random.Generator) -> _Candidates
     )
 
 
-def _surface(caster: RayCaster, places: _Candidates, reach_m: float) -> NDArray[np.float64]:
+def _surface(
+    caster: RayCaster, places: _Candidates, copy: _Copy, extent_m: NDArray[np.floating[Any]]
+) -> NDArray[np.float64]:
     """Return the height of the surface below each place; NaN where it is not flat."""
-    steps = np.linspace(-0.5, 0.5, 5) * reach_m
-    dx, dz = (grid.ravel() for grid in np.meshgrid(steps, steps))
-    x, z = places.x[:, None] + dx, places.z[:, None] + dz
+    steps = np.linspace(-0.48, 0.48, 5)
+    across, along = (grid.ravel() for grid in np.meshgrid(steps, steps))
+    across, along = across * extent_m[0], along * extent_m[2]
+    yaw = np.radians(places.yaw_deg)[:, None]
+    x = places.x[:, None] + np.cos(yaw) * across + np.sin(yaw) * along
+    z = places.z[:, None] - np.sin(yaw) * across + np.cos(yaw) * along
     y = np.broadcast_to(places.from_m[:, None], x.shape)
     origins = np.stack([x, y, z], axis=-1).reshape(-1, 3)
     down = np.broadcast_to(np.array([0.0, -1.0, 0.0]), origins.shape)
     height = y - caster.cast(origins, down).distance.reshape(x.shape)
-    flat = np.isfinite(height).all(axis=1) & (np.ptp(height, axis=1) <= FLAT_M)
-    return np.where(flat, height.max(axis=1), np.nan)
+    height = np.where(np.isfinite(height), height, -1e3)
+    soft = copy.object_type in SOFT
+    flat = np.ptp(height, axis=1) <= (SOFT_M if soft else FLAT_M)
+    top = np.median(height, axis=1) if soft else height.max(axis=1)
+    return np.where(flat, top, np.nan)
 
 
 def _apart(placed: tuple[Part, ...], made: list[Instance], spread_m: float) -> bool:

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from doro_schemas.errors import Refused
 from numpy.typing import NDArray
 
+from doro_schemas.errors import Refused
 from doro_sim_feeder.rooms.parts import Part
 
 FAR = 1e6

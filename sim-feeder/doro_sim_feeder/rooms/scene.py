@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -37,6 +38,8 @@ SETTLE_UP_M, SETTLE_DOWN_M = 0.12, 0.6
 CEILING_LAMP_M = 2.3
 # Boxes of the layout that are rendered as parts of something else or not at all.
 SKIPPED = frozenset({"Floor", "CounterTop", "Sink", "SinkBasin", "Cabinet", "Drawer", "Wall"})
+TABLES = frozenset({"DiningTable", "CoffeeTable", "SideTable", "Desk", "TVStand"})
+WALL_GAP_M = 0.35
 FLAT = ON_WALLS | {"Shelf", "StoveBurner", "StoveKnob"}
 BLOBS: dict[str, tuple[Rgb, tuple[float, float], float]] = {
     "Apple": ((0.72, 0.07, 0.05), (1.0, 1.0), 0.3),
@@ -89,8 +92,8 @@ def build_scene(name: str) -> Scene:
     fitting = make_fitting(layout)
     instances = _fitted(layout, fitting)
     for item in layout.objects:
-        if item.object_type not in SKIPPED:
-            instances.append(_furnished(item, layout, fitting))
+        if item.object_type not in SKIPPED and not _on_missing_wall(item, fitting.room):
+            instances.append(_furnished(_standing(item), layout, fitting))
     settled = _settle(instances)
     return Scene(name, fitting.room, tuple(settled), _cells(fitting.room, tuple(settled)))
 
@@ -112,6 +115,21 @@ def _fitted(layout: RoomLayout, fitting: Fitting) -> list[Instance]:
     for item in layout.of_type("Cabinet", "Drawer"):
         instances += fitting.front(item, solid)
     return instances
+
+
+def _on_missing_wall(item: LayoutObject, room: Rect) -> bool:
+    """Tell whether a thing hangs on an inner wall: only the outer walls are known."""
+    (x0, _, z0), (x1, _, z1) = item.low_m, item.high_m
+    gaps = (x0 - room.x_low, room.x_high - x1, z0 - room.z_low, room.z_high - z1)
+    return item.object_type in ON_WALLS and min(gaps) > WALL_GAP_M
+
+
+def _standing(item: LayoutObject) -> LayoutObject:
+    """Return furniture whose recorded box is only its top with the box down to the floor."""
+    if item.object_type not in TABLES or item.low_m[1] < 0.15:
+        return item
+    low = (item.low_m[0], 0.0, item.low_m[2])
+    return msgspec.structs.replace(item, low_m=low, asset_size_m=None)
 
 
 def _ground(part: Part) -> tuple[float, float, float, float]:

@@ -14,8 +14,9 @@ from doro_sim_feeder.rooms.raycast import Hits, RayCaster
 AMBIENT, SKY, SIDE, HEAD, LAMP = 0.44, 0.06, 0.05, 0.12, 0.58
 SHADOW_LIGHT = 0.12  # share of the lamp's light that reaches shadows by bouncing
 GAMMA = 1 / 1.15
+BOUNCE = 0.22  # light that the floor sends up to the ceiling
 SHADOW_BIAS_M = 0.006
-LAMP_RADIUS_M = 0.25
+LAMP_RADIUS_M = 0.16
 # (strength, exponent) of the highlight of each material.
 GLOSS = {
     "metal": (0.45, 24.0),
@@ -109,7 +110,7 @@ class Shader:
         lit = np.where(shadow | ((flat * toward).sum(axis=1) <= 0), SHADOW_LIGHT, 1.0)
         head = np.clip(-(normal * view).sum(axis=1), 0, 1)
         light = AMBIENT + SKY * normal[:, 1] + SIDE * normal[:, 0] + HEAD * head
-        light += LAMP * facing_lamp * lit
+        light += LAMP * facing_lamp * lit + BOUNCE * np.clip(-normal[:, 1], 0, 1)
         half = np.clip((normal * unit(toward - view)).sum(axis=1), 0, 1)
         strength, exponent = self._gloss[part].T
         highlight = strength * (half**exponent * (lit > 0.5) + 0.25 * (1 - head) ** 4)
@@ -148,7 +149,7 @@ def _grain(point_m: NDArray[Any]) -> NDArray[Any]:
     """Return the brightness of wood: stretched rings in the material, about 1."""
     x, y, z = point_m.T
     ring = 55 * (x + 0.35 * y) + 3 * np.sin(7 * z + 3 * y) + 1.5 * np.sin(19 * z)
-    tone: NDArray[Any] = 1 + 0.08 * np.sin(ring) + 0.05 * np.sin(2.7 * ring + 11 * z)
+    tone: NDArray[Any] = 1 + 0.045 * np.sin(ring) + 0.035 * np.sin(2.7 * ring + 11 * z)
     return tone
 
 

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from doro_schemas.errors import Refused
 from numpy.typing import NDArray
 
+from doro_schemas.errors import Refused
 from doro_sim_feeder.rooms.camera import Picture
 from doro_sim_feeder.rooms.episode import RoomEpisode
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import msgspec
 import numpy as np
-from doro_schemas.messages import SimDetection, SimRelation
-from doro_schemas.spatial import Box3, footprint_share, gap_m, relation_between
 from numpy.typing import NDArray
 
+from doro_schemas.messages import SimDetection, SimRelation
+from doro_schemas.spatial import Box3, footprint_share, gap_m, relation_between
 from doro_sim_feeder.rooms.footprints import ON_WALLS
 from doro_sim_feeder.rooms.instances import BACKGROUND, Instance
 
@@ -79,22 +79,28 @@ def _relations(
     number: int, instances: tuple[Instance, ...], boxes: list[Box3]
 ) -> list[TrueRelation]:
     """Return what holds the thing (on, else in), and up to two landmarks near it."""
-    box, kind = boxes[number], instances[number].object_type
-    holders: list[tuple[float, int, str]] = []
+    item, box = instances[number], boxes[number]
+    holders: list[tuple[bool, float, float, int, str]] = []
     near: list[tuple[float, int, str]] = []
     for k, other in enumerate(instances):
-        if k == number or other.object_type in NO_LANDMARK or other.object_type == kind:
+        if k == number or other.object_type in NO_LANDMARK | {item.object_type}:
             continue
         relation = relation_between(box, boxes[k])
-        if relation is None or _ground_area(boxes[k]) <= _ground_area(box):
+        area = _ground_area(boxes[k])
+        if relation is None or area <= _ground_area(box):
             continue
         if relation == "is-near":
-            if _furniture_sized(boxes[k]):
+            if _furniture_sized(boxes[k]) and not other.pickupable:
                 near.append((_ground_gap(box, boxes[k]), k, relation))
         elif footprint_share(box, boxes[k]) > 0:
-            holders.append((_ground_area(boxes[k]), k, relation))
-    chosen = sorted(holders)[:1] + sorted(near)[:NEAR_LANDMARKS]
-    return [_relation(relation, instances[k]) for _, k, relation in chosen]
+            # A box may hold what only stands above it (a chair under the table's edge): what
+            # is known to carry the thing comes first, then the nearest surface.
+            known = any(name.startswith(other.object_id) for name in item.receptacles)
+            gap = abs(box.low(2) - boxes[k].high(2))
+            holders.append((not known, round(gap, 2), area, k, relation))
+    chosen = [(k, relation) for *_, k, relation in sorted(holders)[:1]]
+    chosen += [(k, relation) for _, k, relation in sorted(near)[:NEAR_LANDMARKS]]
+    return [_relation(relation, instances[k]) for k, relation in chosen]
 
 
 def _relation(relation: str, landmark: Instance) -> TrueRelation:

@@ -8,6 +8,19 @@ def _lines(text: str) -> tuple[str, ...]:
 
 
 WORDS: dict[str, tuple[str, ...]] = {
+    "onoff": _lines("""on|off|on|off|up|down|over|around"""),
+    "inspect": _lines("""examine|look at|inspect|check|read|hold|see|view|take|study|find"""),
+    "light": _lines(
+        """by the light of a lamp|by the light of the tall lamp|under the lamp|with the lamp|
+        under the light of the lamp|using the light of a lamp|by lamp light|by the lamp light|
+        in the light|by the light of the desk lamp|by a lit lamp|under a light|in the lamp light|
+        by turning on the floor lamp|while turning on a lamp|next to the light of a lamp"""
+    ),
+    "doing": _lines(
+        """sleeping|standing|sitting|lying|eating grass|parked|flying|hanging|growing|waiting|
+        walking|running|playing|resting|leaning|filled with things|placed upside down|turned on|
+        looking at the camera|folded|seen from above|drinking|jumping|floating|shining|burning"""
+    ),
     "verb": _lines(
         """pick up|pick up|pick up|grab|take|get|bring|fetch|find|find|look for|search for|locate|
         retrieve|collect|hand me|give me|pass me|show me|point to|point at|remove|lift|carry|

@@ -31,6 +31,19 @@ there is <ref>, <tail><end>
 <lost> <ref><end>
 <where> <ref><where_end>
 <ref> please<end>
+<put> <obj> {A from} <rel:A> <todest><end>
+<put> <obj> {A from} <rel:A> <dest><end>
+<pol> turn <obj> <onoff><end>
+<pol> switch <obj> <onoff>
+<verb> <keep> and <put> <again> <dest><end>
+<pol> <verb> <keep><from> . <put> <again> <dest> .
+<go> and <verb> <keep> . take <again> <todest> and <tail> .
+<inspect> <ref> <light><end>
+<inspect> <obj> <light>
+<verb> <ref> , <go> , <tail> .
+<go> , <go> , <verb> <ref> , <tail> , <go> .
+<side> , <put> <obj> <dest> , <side> , <tail> .
+<put> <ref:on> <dest> , then <tail><end>
 <ref><end>
 <pol> <put> <ref:on> <dest><end>
 <go> to get <ref><end>
@@ -127,6 +140,10 @@ the <onlyobj> has a <col> color
 <onlyobj> , <col>
 <onlyobj> , <col> , <mat>
 <onlyobj> ( <col> )
+<cap> <doing>
+<cap> <doing> <rel>
+<cap> <doing> <rel> , <rel>
+<colornoun>
 <cap> <ego>
 """.strip().splitlines())  # fmt: skip
 

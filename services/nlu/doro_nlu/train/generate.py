@@ -11,12 +11,21 @@ from doro_nlu.train.annotate import Example, annotate
 from doro_nlu.train.fillers import FOREIGN_PARTS, WORDS
 from doro_nlu.train.frames import SHARES, frames_of
 from doro_nlu.train.noise import add_typos
-from doro_nlu.train.nouns import COMMON, invented, plural, thing
+from doro_nlu.train.nouns import AMBIGUOUS, COMMON, invented, plural, thing
 from doro_nlu.train.phrases import Phrases, strip_labels
 
 _SLOT = re.compile(r"<([a-z_0-9]+)(?::([a-zA-Z]+))?>")
 TYPO_SHARE = 0.12
 _NEGATIONS = (", not", " not", " but not", ", and not")
+_GO = (
+    "go to", "walk to", "move to", "head to", "go into", "go over to", "walk over to", "approach",
+    "turn around and go to", "run to", "navigate to", "turn to face", "turn left to", "step to",
+    "enter", "go back to", "cross to", "turn right and walk towards", "go in", "walk past",
+)  # fmt: skip
+_LATER = (
+    "turn to face", "walk to", "go to", "open", "close", "turn on", "find", "bring it to",
+    "take it to", "move to", "carry it to", "turn left to find", "look at", "clean",
+)  # fmt: skip
 _OUT_VERBS = ("take", "get", "pull", "bring")
 _REPAIRS = ("", "sorry , ", "i mean ", "rather ")
 
@@ -33,6 +42,7 @@ class Generator:
         self.rng = Random(seed)
         self.phrases = Phrases(self.rng)
         self.frames = {kind: frames_of(kind, held_out) for kind in SHARES}
+        self.kept = ""
         self.slots = self._slots()
 
     def __iter__(self) -> Iterator[Example]:
@@ -52,7 +62,7 @@ class Generator:
 
     def _fill(self, slot: re.Match[str]) -> str:
         name, argument = slot[1], slot[2] or ""
-        if name in WORDS:
+        if name in WORDS and not (name in self.slots and self.rng.random() < 0.5):
             return (" " if name == "end" else "") + self.rng.choice(WORDS[name])
         return self.slots[name](argument)
 
@@ -85,7 +95,29 @@ class Generator:
             "predicate": lambda _: phrases.predicate(),
             "foreign2": lambda _: " ".join(rng.choices(FOREIGN_PARTS, k=rng.randint(2, 8))),
             "noise": lambda _: _garbage(rng),
+            "go": lambda _: _navigation(phrases, rng),
+            "tail": lambda _: _next_task(phrases, rng),
+            "keep": lambda _: self._keep(),
+            "again": lambda _: f"the {self.kept}",
+            "colornoun": lambda _: phrases.determined("O", rng.choice(AMBIGUOUS), 0.2, 0.8),
         }
+
+    def _keep(self) -> str:
+        """Return an object and remember its name, for a bare re-mention later."""
+        self.kept = thing(self.rng)
+        return self.phrases.determined("O", self.kept, 0.3, 0.2)
+
+
+def _navigation(phrases: Phrases, rng: Random) -> str:
+    where = strip_labels(phrases.relation()) if rng.random() < 0.25 else ""
+    return f"{rng.choice(_GO)} {phrases.plain()} {where}"
+
+
+def _next_task(phrases: Phrases, rng: Random) -> str:
+    if rng.random() < 0.5:
+        verb = rng.choice(("put", "place", "set", "drop", "leave", "hang"))
+        return f"{verb} {rng.choice(('it', 'it', 'them', 'that'))} {phrases.destination()}"
+    return f"{rng.choice(_LATER)} {phrases.plain()}"
 
 
 def _after(relation: str, start: str) -> str:

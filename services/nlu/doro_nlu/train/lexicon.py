@@ -256,7 +256,9 @@ ON = _list(
     """
     on, on, on, on, on, on, on top of, on top of, atop, upon, on the top of, on the edge of, on the
     left side of, on the right side of, on the side of, on the back of, on the front of, on the
-    corner of, on the far side of, on the other side of, on the end of, on the surface of
+    corner of, on the far side of, on the top right of, on the top left of, on the back left of,
+    on the front edge of, on the right edge of, on the left end of, on the bottom of, on the front
+    right of, on the other side of, on the end of, on the surface of
     """
 )
 NEAR = _list(
@@ -266,7 +268,8 @@ NEAR = _list(
     left of, on the right of, left of, right of, at the left of, at the right of, to the left side
     of, to the right side of, in front of, in front of, behind, between, in between, across from,
     opposite, opposite to, against, facing, adjacent to, alongside, to the immediate right of, just
-    in front of, on the right hand side of, besides, at the side of
+    in front of, on the right hand side of, near the edge of, near the center of, near the back of,
+    close to the edge of, on the left hand side of, besides, at the side of
     """
 )
 AT = _list(

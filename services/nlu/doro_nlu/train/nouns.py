@@ -28,6 +28,15 @@ _CODAS = ["", "", *_words("b ck d f g l ll m n nd nk p r rt sh t x zz")]
 _ENDINGS = ["", "", "", "er", "le", "ow", "et", "in", "on", "um", "ack", "a", "o"]
 
 
+AMBIGUOUS = (
+    "orange", "peach", "plum", "lime", "rose", "olive", "iron", "glass", "paper", "cloth", "tin",
+    "cork", "china", "mint", "mustard", "salmon", "light", "glasses", "rubber", "straw", "stone",
+    "papers", "oranges", "peaches", "top", "felt", "plastic bag", "silverware", "orange juice",
+)  # fmt: skip
+"""Things whose names are values elsewhere ("an orange")."""
+_OF_ADJECTIVES = ("cold", "hot", "heated", "fresh", "sliced", "cooked", "chilled", "warm")
+
+
 def invented(rng: Random) -> str:
     """Return a word that is none, so that unknown names work as names."""
     word = "".join(
@@ -59,7 +68,7 @@ def plural(name: str) -> str:
     return name + ("es" if name.endswith(("x", "ch", "sh", "z")) else "s")
 
 
-def thing(rng: Random) -> str:
+def thing(rng: Random) -> str:  # noqa: PLR0911 - one line per source
     """Return the name of something that one may fetch."""
     roll = rng.random()
     if roll < 0.40:
@@ -69,7 +78,10 @@ def thing(rng: Random) -> str:
     if roll < 0.78:
         return compound(rng)
     if roll < 0.86:
-        return f"{rng.choice(lex.MASS_OF)} of {rng.choice(lex.MASS)}"
+        inner = f"{rng.choice(_OF_ADJECTIVES)} " if rng.random() < 0.1 else ""
+        return f"{rng.choice(lex.MASS_OF)} of {inner}{rng.choice(lex.MASS)}"
+    if roll < 0.875:
+        return rng.choice(AMBIGUOUS)
     if roll < 0.97:
         return invented(rng)
     return rng.choice(lex.PLACES)

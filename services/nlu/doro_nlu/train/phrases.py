@@ -62,7 +62,8 @@ _LINKS = (
 )
 _TOWARD = (
     "on", "in", "into", "onto", "to", "near", "next to", "inside", "under", "beside", "on top of",
-    "by", "to the left of", "in front of", "back in", "back on", "at",
+    "by", "to the left of", "in front of", "back in", "back on", "at", "in to", "on to", "atop",
+    "inside of", "over on", "gently on", "on the right side of", "in the middle of",
 )  # fmt: skip
 _ADVERBS = ("right", "directly", "just", "immediately", "somewhere", "still", "all the way")
 _EGOCENTRIC = (
@@ -179,7 +180,7 @@ class Phrases:
         if rng.random() < 0.05:
             words = {"N": lex.FROM_NEAR, "P": lex.FROM_ON, "A": lex.FROM_AT}[code]
         text = rng.choice(words)
-        if "side of" in text and code == "P" and landmark not in lex.SURFACES:
+        if " of" in text and code == "P" and landmark not in lex.SURFACES and text != "on top of":
             text = "on"
         return f"{{{code} {text}}}"
 
