@@ -34,7 +34,7 @@ from doro_sim_feeder.rooms.parts import (
 from doro_sim_feeder.rooms.raycast import RayCaster, make_soup
 
 Vector = tuple[float, float, float]
-SETTLE_UP_M, SETTLE_DOWN_M = 0.12, 0.6
+SETTLE_UP_M, SETTLE_DOWN_M = 0.12, 1.5
 CEILING_LAMP_M = 2.3
 # Boxes of the layout that are rendered as parts of something else or not at all.
 SKIPPED = frozenset({"Floor", "CounterTop", "Sink", "SinkBasin", "Cabinet", "Drawer", "Wall"})
