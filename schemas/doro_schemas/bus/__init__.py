@@ -2,6 +2,7 @@
 
 from doro_schemas.bus.config import BusSettings
 from doro_schemas.bus.router import run_router
-from doro_schemas.bus.session import Bus, RawSample, Request
+from doro_schemas.bus.samples import RawSample, Request
+from doro_schemas.bus.session import Bus
 
 __all__ = ["Bus", "BusSettings", "RawSample", "Request", "run_router"]

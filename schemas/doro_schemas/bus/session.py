@@ -12,7 +12,6 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import Any, Self
 
-import msgspec
 import zenoh
 
 from doro_schemas import codec
@@ -20,37 +19,11 @@ from doro_schemas.bus.config import BusSettings
 from doro_schemas.bus.inbox import Inbox, Lane
 from doro_schemas.bus.links import Publisher, declare_publisher, declare_subscriber
 from doro_schemas.bus.router import open_session
+from doro_schemas.bus.samples import RawSample, Request, decode_request, decode_sample
 from doro_schemas.errors import Refused
 from doro_schemas.messages.base import Message
 from doro_schemas.messages.control import Rejected
 from doro_schemas.topics import POLICIES, TOPICS, Delivery, Topic, topic_of
-
-
-class RawSample(msgspec.Struct, frozen=True):
-    """A sample as it came."""
-
-    key: str
-    payload: bytes
-    encoding: str
-
-
-class Request:
-    """A query that waits for its answer."""
-
-    def __init__(self, message: Message, query: zenoh.Query) -> None:
-        self.message = message
-        self._query = query
-
-    def reply(self, message: Message) -> None:
-        """Answer with a message."""
-        with self._query as query:
-            encoding = codec.encoding_of(type(message))
-            query.reply(query.key_expr, codec.encode(message), encoding=encoding)
-
-    def refuse(self, reason: str) -> None:
-        """Answer with one sentence why not."""
-        with self._query as query:
-            query.reply_err(reason.encode(), encoding="text/plain")
 
 
 class Bus:
@@ -163,7 +136,7 @@ class Bus:
             payload = sample.payload.to_bytes()
             self.counters[f"received.{topic.name}"] += 1
             try:
-                handler(_decode(topic, payload, str(sample.encoding)))
+                handler(decode_sample(topic, payload, str(sample.encoding)))
             except Refused as refused:
                 self.reject(str(sample.key_expr), refused, size_bytes=len(payload))
 
@@ -203,7 +176,7 @@ class Bus:
             self.counters[f"received.{topic.name}"] += 1
             payload = b"" if query.payload is None else query.payload.to_bytes()
             try:
-                handler(Request(_decode_request(topic, query, payload), query))
+                handler(Request(decode_request(topic, query, payload), query))
             except Refused as refused:
                 Request(Message(), query).refuse(refused.reason)
                 self.reject(topic.key, refused, size_bytes=len(payload))
@@ -302,25 +275,6 @@ class Bus:
                 lane, item = taken
                 lane.handle(item)
         return done()
-
-
-def _decode(topic: Topic, payload: bytes, encoding: str) -> Message:
-    if topic.plain_text and ";" not in encoding:
-        return codec.decode_text(payload, topic.messages[0])
-    return codec.decode(payload, encoding, topic.messages)
-
-
-def _decode_request(topic: Topic, query: zenoh.Query, payload: bytes) -> Message:
-    """Read a request from the query's payload, or from its parameters (``...?name=cup``)."""
-    if query.payload is not None:
-        return _decode(topic, payload, str(query.encoding or ""))
-    names = msgspec.structs.fields(topic.messages[0])
-    fields = {item.name: query.parameters.get(item.name) for item in names}
-    given = {name: value for name, value in fields.items() if value is not None}
-    try:
-        return msgspec.convert(given, topic.messages[0], strict=False)
-    except msgspec.ValidationError as error:
-        raise Refused(f"{codec.schema_name(topic.messages[0])}: {error}") from error
 
 
 def _nothing() -> None:
