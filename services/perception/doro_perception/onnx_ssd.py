@@ -144,11 +144,11 @@ def _suppressed(boxes: FloatArray, scores: FloatArray, iou: float) -> list[int]:
 
 def _close_up(box: FloatArray, height_px: int, width_px: int) -> View:
     """Return the square around a box, pushed into the image and cut to its shorter side."""
-    side = max(box[2] - box[0], box[3] - box[1]) * (1 + CLOSE_UP_MARGIN)
-    side = min(max(side, MIN_CLOSE_UP_PX), width_px, height_px)
-    x = min(max((box[0] + box[2] - side) / 2, 0.0), width_px - side)
-    y = min(max((box[1] + box[3] - side) / 2, 0.0), height_px - side)
-    return int(x), int(y), int(side), int(side), False
+    wanted = max(box[2] - box[0], box[3] - box[1]) * (1 + CLOSE_UP_MARGIN)
+    side = int(min(max(wanted, MIN_CLOSE_UP_PX), width_px, height_px))
+    x = int(min(max((box[0] + box[2] - side) / 2, 0.0), width_px - side))
+    y = int(min(max((box[1] + box[3] - side) / 2, 0.0), height_px - side))
+    return x, y, side, side, False
 
 
 def _ends_at_inner_edge(
