@@ -6,6 +6,8 @@ from collections import Counter
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
+
 from doro_schemas.camera import World
 from doro_schemas.effects import Ask, Output, Unanswered
 from doro_schemas.messages import (
@@ -18,8 +20,6 @@ from doro_schemas.messages import (
     Query,
 )
 from doro_schemas.messages.base import Message
-from numpy.typing import NDArray
-
 from doro_viewer.map_picture import draw_map
 from doro_viewer.settings import ViewerSettings
 

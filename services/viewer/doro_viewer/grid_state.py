@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from doro_schemas.messages import GraphEntry, GridDelta, GridSnapshot
 from numpy.typing import NDArray
+
+from doro_schemas.messages import GraphEntry, GridDelta, GridSnapshot
 
 Cell = tuple[int, int, int]
 

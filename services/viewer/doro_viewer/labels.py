@@ -16,8 +16,10 @@ _STEPS = 24
 _RINGS_PX = (26, 44, 66, 92, 124, 160, 200, 250)
 _GAP_PX = 5
 _COST_PER_PX = 0.012
-"""Cost of distance, beside the mean weight of what a label and its leader line hide."""
+"""Cost of distance, beside the mean weight of what a label hides."""
 _LEADER_SAMPLES = 48
+_SOLID = 10.0
+_COST_PER_CROSSED_PX = 0.5
 
 
 class Label(msgspec.Struct, frozen=True):
@@ -74,13 +76,18 @@ def _cheapest(label: Label, taken: NDArray[Any], area: Box) -> Box:
 
 
 def _leader_cost(taken: NDArray[Any], anchor: Box, box: Box) -> float:
-    """Return the mean weight of what the leader line crosses outside its own thing."""
+    """Return how much the leader line crosses of labels, lines and marks not its own.
+
+    Crossing what is only coloured (a table, the path) costs nothing: a thin line hides little.
+    """
     (x0, y0), (x1, y1) = leader(_foot(anchor, box), box)
     share = np.linspace(0.0, 1.0, _LEADER_SAMPLES)
     x = (x0 + (x1 - x0) * share).astype(int).clip(0, taken.shape[1] - 1)
     y = (y0 + (y1 - y0) * share).astype(int).clip(0, taken.shape[0] - 1)
     outside = (x < anchor[0] - 4) | (x > anchor[2] + 4) | (y < anchor[1] - 4) | (y > anchor[3] + 4)
-    return float(taken[y, x][outside].mean()) if outside.any() else 0.0
+    crossed = outside & (taken[y, x] >= _SOLID)
+    length_px = math.hypot(x1 - x0, y1 - y0)
+    return float(crossed.sum()) / _LEADER_SAMPLES * length_px * _COST_PER_CROSSED_PX
 
 
 def _candidates(label: Label, area: Box) -> list[Box]:

@@ -20,7 +20,6 @@ from typing import Self
 from urllib.parse import quote
 
 from doro_schemas.errors import Refused
-
 from doro_viewer.settings import ViewerSettings
 
 LOOPBACK = "127.0.0.1"

@@ -8,11 +8,11 @@ from collections.abc import Iterator
 import cv2
 import msgspec
 import numpy as np
+from numpy.typing import NDArray
+
 from doro_schemas.camera import World, bev_axes
 from doro_schemas.graph import identity
 from doro_schemas.messages import GridSnapshot, Instance
-from numpy.typing import NDArray
-
 from doro_viewer.colors import Rgb, graph_color, mix, stable_color
 from doro_viewer.labels import Box
 from doro_viewer.lettering import Canvas, Style, line, rectangle, text_width_px, write

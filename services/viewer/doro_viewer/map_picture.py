@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import msgspec
 import numpy as np
+from numpy.typing import NDArray
+
 from doro_schemas.camera import World
 from doro_schemas.graph import ObjectGraph, walk
 from doro_schemas.messages import GridSnapshot, Instance, Query
 from doro_schemas.vocabulary import name_satisfies
-from numpy.typing import NDArray
-
 from doro_viewer import map_panel as panel
 from doro_viewer.colors import Rgb, graph_color, mix
 from doro_viewer.labels import Box, Label, leader, place
@@ -173,9 +173,9 @@ def _obstacles(canvas: Canvas, frame: panel.Frame, tags: list[_Tag]) -> NDArray[
     weights = np.where(spread > 24, 2, 0).astype(np.uint8)
     weights[(canvas == panel.OTHER).all(axis=2)] = 1
     for left, top, right, bottom in (tag.anchor for tag in tags):
-        weights[max(0, top - 8) : bottom + 9, max(0, left - 8) : right + 9] = 60
+        weights[max(0, top - 10) : bottom + 11, max(0, left - 10) : right + 11] = 250
     left, top, right, bottom = panel.scale_bar_box(frame)
-    weights[top:bottom, left:right] = 60
+    weights[top:bottom, left:right] = 250
     return weights
 
 

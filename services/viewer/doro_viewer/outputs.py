@@ -10,10 +10,10 @@ from typing import Any
 import cv2
 import numpy as np
 import rerun as rr
-from doro_schemas.errors import Refused
-from doro_schemas.messages.base import Message
 from numpy.typing import NDArray
 
+from doro_schemas.errors import Refused
+from doro_schemas.messages.base import Message
 from doro_viewer.live import LiveViewer
 from doro_viewer.rerun_log import RerunLog
 from doro_viewer.settings import ViewerSettings
@@ -46,7 +46,7 @@ class RerunScreen:
         sinks: list[Any] = []
         self._live: LiveViewer | None = None
         if settings.rrd:
-            sinks.append(rr.FileSink(str(writable(settings.rrd, "viewer.rrd"))))
+            sinks.append(rr.FileSink(str(_put_aside(writable(settings.rrd, "viewer.rrd")))))
         if settings.serve or settings.spawn:
             self._live = LiveViewer(settings)
             self._live.open()
@@ -105,6 +105,13 @@ def png_bytes(picture: NDArray[np.uint8]) -> bytes:
     if not done:
         raise RuntimeError(f"OpenCV could not encode a picture of shape {picture.shape}")
     return bytes(data.tobytes())
+
+
+def _put_aside(file: Path) -> Path:
+    """Rename an older recording, so that a restart after a crash does not destroy it."""
+    if file.exists():
+        file.replace(file.with_name(f"{file.stem}.previous{file.suffix}"))
+    return file
 
 
 def writable(path: str, setting: str) -> Path:

@@ -2,8 +2,8 @@
 
 Entities: ``camera/<camera>/image`` (with ``/objects``) and ``/depth``; ``map/grid/<class>``,
 ``map/floor``, ``map/path``, ``map/camera/<camera>``, ``map/instances``, ``map/target``;
-``talk/<kind>``. The map is drawn in (ground a, ground b, up), which is right-handed for
-both worlds. Timelines: ``frame`` (running over episodes) and ``stamp`` (the data's time).
+``map/labels``; ``summary``; ``talk``. Timelines: ``frame`` (running over episodes) and
+``stamp`` (the data's time).
 """
 
 from __future__ import annotations
@@ -15,32 +15,27 @@ from typing import Any
 import cv2
 import numpy as np
 import rerun as rr
-from doro_schemas import messages as m
-from doro_schemas.camera import World, bev_axes
-from doro_schemas.messages.base import Message
 
-from doro_viewer.colors import graph_color, mix, stable_color
-from doro_viewer.grid_state import FrameClock, GridState
+from doro_schemas import messages as m
+from doro_schemas.messages.base import Message
+from doro_viewer.colors import stable_color
+from doro_viewer.grid_state import FrameClock
+from doro_viewer.rerun_map import RerunMap
 from doro_viewer.rerun_views import (
-    MAP,
+    SUMMARY,
     TALK,
     TIMELINE,
-    Bounds,
     blueprint,
     depth_entity,
     image_entity,
 )
 from doro_viewer.settings import ViewerSettings
-from doro_viewer.talk import talk_lines
+from doro_viewer.talk import summary, talk_lines
 from doro_viewer.words import short_description
 
 LABEL_CHARS = 48
 FLUSH_TIMEOUT_S = 10.0
-BOUNDS_MARGIN_M = 1.0
 UNCLASSED = (150, 150, 150)
-INK = (40, 40, 40)
-PATH = (30, 90, 200)
-ACCENT = (230, 0, 120)
 MEDIA_TYPES = {"jpeg": "image/jpeg", "png": "image/png"}
 
 
@@ -59,13 +54,11 @@ class RerunLog:
     def __init__(self, stream: rr.RecordingStream, settings: ViewerSettings) -> None:
         self._stream = stream
         self._settings = settings
-        self._world: World = settings.world
         self._clock = FrameClock()
-        self._grid = GridState()
+        self._map = RerunMap(stream, settings.world)
         self._cameras: list[str] = []
         self._coded: dict[str, tuple[str, int]] = {}
-        self._path: list[list[float]] = []
-        self._bounds = Bounds()
+        self._instruction: m.InstructionGraph | None = None
         self._query: m.Query | None = None
         self._unflushed = 0
         self._belief = ""
@@ -76,11 +69,10 @@ class RerunLog:
             m.FrameGraphs: self._graphs,
             m.GridDelta: self._delta,
             m.GridSnapshot: self._snapshot,
-            m.Instances: self._instances,
+            m.Instances: lambda found: self._map.instances(found, self._query),
             m.Exploration: self._exploration,
-            m.Target: self._target,
+            m.Target: self._map.target,
         }
-        stream.log(MAP, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
         self._arrange()
 
     def show(self, message: Message) -> None:
@@ -120,7 +112,7 @@ class RerunLog:
             self._stream.disable_timeline("stamp")
 
     def _arrange(self) -> None:
-        shown = blueprint(self._cameras or ["cam0"], self._bounds, depth=self._settings.depth)
+        shown = blueprint(self._cameras or ["cam0"], self._map.bounds, depth=self._settings.depth)
         self._stream.send_blueprint(shown)
 
     def _meet(self, camera: str) -> None:
@@ -144,27 +136,9 @@ class RerunLog:
             self.flush()
 
     def _depth(self, frame: m.DepthFrame) -> None:
-        self._world = frame.pose.world
-        axes = list(bev_axes(self._world))
-        position_m = [frame.pose.position_m[axis] for axis in axes]
-        self._path.append(position_m)
-        self._stream.log(
-            f"{MAP}/path",
-            rr.LineStrips3D([self._path], colors=[PATH], radii=rr.Radius.ui_points(1.5)),
-        )
-        inner, step = frame.intrinsics, self._settings.depth_stride
-        self._stream.log(
-            f"{MAP}/camera/{frame.camera}",
-            rr.Transform3D(translation=position_m, mat3x3=frame.pose.matrix()[axes]),
-            rr.Pinhole(
-                focal_length=(inner.fx, inner.fy),
-                principal_point=(inner.cx, inner.cy),
-                resolution=(frame.width_px, frame.height_px),
-                image_plane_distance=0.35,
-                color=PATH,
-            ),
-        )
+        self._map.camera(frame)
         if self._settings.depth:
+            step = self._settings.depth_stride
             depth = np.ascontiguousarray(frame.depth_m()[::step, ::step])
             self._stream.log(depth_entity(frame.camera), rr.DepthImage(depth, meter=1.0))
 
@@ -203,88 +177,33 @@ class RerunLog:
         )
 
     def _delta(self, delta: m.GridDelta) -> None:
-        if delta.reset:
-            self._forget_map()
-        self._draw_classes(self._grid.apply(delta))
-
-    def _snapshot(self, snapshot: m.GridSnapshot) -> None:
-        self._draw_classes(self._grid.replace(snapshot))
-        if len(snapshot.floor):
-            ground_m = (snapshot.floor.astype(np.float32) + 0.5) * np.float32(snapshot.cell_m)
-            points = np.column_stack([ground_m, np.full(len(ground_m), -0.02, np.float32)])
-            floor = rr.Points3D(points, radii=[snapshot.cell_m / 2], colors=[(225, 225, 225)])
-            self._stream.log(f"{MAP}/floor", floor)
-
-    def _draw_classes(self, names: list[str]) -> None:
-        for name in names:
-            centers = self._grid.centers_m(name)
-            points = rr.Points3D(
-                centers, radii=[self._grid.cell_m / 2], colors=[stable_color(name)]
-            )
-            self._stream.log([MAP, "grid", name], points)
-            self._widen(centers)
-
-    def _widen(self, centers: np.ndarray[Any, Any]) -> None:
-        """Lift the eye when the map outgrows what is in view: seldom, as it undoes zooming."""
-        if not len(centers):
-            return
-        low, high = centers[:, :2].min(axis=0).tolist(), centers[:, :2].max(axis=0).tolist()
-        if not self._bounds.covers(Bounds(low_m=(low[0], low[1]), high_m=(high[0], high[1]))):
-            lows = [min(a, b) for a, b in zip(self._bounds.low_m, low, strict=True)]
-            highs = [max(a, b) for a, b in zip(self._bounds.high_m, high, strict=True)]
-            seen = Bounds(low_m=(lows[0], lows[1]), high_m=(highs[0], highs[1]))
-            self._bounds = seen.grown(BOUNDS_MARGIN_M)
+        if self._map.delta(delta):
             self._arrange()
 
-    def _instances(self, instances: m.Instances) -> None:
-        axes = list(bev_axes(self._world))
-        found = instances.instances
-        matches = self._query.matches if self._query else []
-        self._stream.log(
-            f"{MAP}/instances",
-            rr.Boxes3D(
-                centers=[[one.position_m[axis] for axis in axes] for one in found],
-                half_sizes=[[one.extent_m[axis] / 2 for axis in axes] for one in found],
-                labels=[f"{one.instance_id}: {short_description(one.graph, 0)}" for one in found],
-                colors=[mix(graph_color(one.graph), INK, 0.3) for one in found],
-                radii=[0.02 if one.instance_id in matches else 0.008 for one in found],
-                show_labels=True,
-            ),
-        )
+    def _snapshot(self, snapshot: m.GridSnapshot) -> None:
+        if self._map.snapshot(snapshot):
+            self._arrange()
 
     def _exploration(self, exploration: m.Exploration) -> None:
         if exploration.state == "started":
-            self._forget_map()
-
-    def _forget_map(self) -> None:
-        for name in self._grid.clear():
-            self._stream.log([MAP, "grid", name], rr.Clear(recursive=False))
-        for leaf in ("floor", "path", "instances", "target"):
-            self._stream.log(f"{MAP}/{leaf}", rr.Clear(recursive=False))
-        self._path.clear()
-
-    def _target(self, target: m.Target) -> None:
-        axes = list(bev_axes(self._world))
-        self._stream.log(
-            f"{MAP}/target",
-            rr.Boxes3D(
-                centers=[[target.position_m[axis] for axis in axes]],
-                half_sizes=[[target.extent_m[axis] / 2 + 0.03 for axis in axes]],
-                labels=[f"target: {target.instance_id}"],
-                colors=[ACCENT],
-                radii=[0.02],
-            ),
-        )
+            self._map.forget()
+            self._query = None
 
     def _talk(self, message: Message) -> None:
-        if isinstance(message, m.Query):
-            self._query = message
         if isinstance(message, m.Belief):
             told = f"{message.dialogue_id} {message.state} {message.reason} {message.matches}"
             if told == self._belief:
                 return
             self._belief = told
-        for kind, level, text in talk_lines(message):
-            self._stream.log(f"{TALK}/{kind}", rr.TextLog(text, level=level))
-        if isinstance(message, m.Query):
-            self.flush()
+        # One entity for all: Rerun orders lines of one frame by entity, then as they came.
+        for level, text in talk_lines(message):
+            self._stream.log(TALK, rr.TextLog(text, level=level))
+        if isinstance(message, m.InstructionGraph):
+            self._instruction, self._query = message, None
+        elif isinstance(message, m.Query):
+            self._query = message
+        else:
+            return
+        text = summary(self._instruction, self._query)
+        self._stream.log(SUMMARY, rr.TextDocument(text, media_type="text/markdown"))
+        self.flush()

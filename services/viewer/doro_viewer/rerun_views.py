@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import msgspec
 import rerun.blueprint as rrb
+from rerun.blueprint.encodings import TextLogColumnKind
 
 CAMERA = "camera"
 MAP = "map"
@@ -59,7 +60,8 @@ def eye_above(bounds: Bounds) -> rrb.EyeControls3D:
 
 
 def _talk_columns() -> rrb.TextLogColumns:
-    return rrb.TextLogColumns(timeline_columns=[TIMELINE], text_log_columns=["loglevel", "body"])
+    shown = [TextLogColumnKind.LogLevel, TextLogColumnKind.Body]
+    return rrb.TextLogColumns(text_log_columns=shown)
 
 
 def blueprint(cameras: Sequence[str], bounds: Bounds, *, depth: bool) -> rrb.Blueprint:

@@ -6,7 +6,6 @@ from doro_schemas import messages as m
 from doro_schemas.effects import Unanswered
 from doro_schemas.errors import Refused
 from doro_schemas.runner import Shell, run_service
-
 from doro_viewer.core import Viewer
 from doro_viewer.outputs import NoAlbum, NoScreen, PngAlbum, RerunScreen
 from doro_viewer.settings import ViewerSettings

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import msgspec
+
 from doro_schemas.camera import World
 
 
@@ -10,7 +11,8 @@ class ViewerSettings(msgspec.Struct, frozen=True, kw_only=True):
     """What is shown, and where it goes. With the defaults nothing is kept or shown.
 
     Attributes:
-        rrd: Rerun recording to write; empty for none. An older file is replaced.
+        rrd: Rerun recording to write; empty for none. An older file
+            of that name is kept as ``<name>.previous.rrd``.
         png: picture of the final map to write; empty for none. Every new query replaces it.
         serve: serve the web viewer for live watching, on the loopback interface only.
         spawn: open Rerun's window for live watching instead (needs a screen).
