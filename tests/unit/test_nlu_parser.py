@@ -1,19 +1,12 @@
 """Label sequences to graphs, without a model. Short form: ``cup{color=red}(is-on table)``."""
 
 import pytest
+from nlu_sentences import show
 
 from doro_nlu.parser import parse
 from doro_nlu.tagger import Tagged
 from doro_nlu.train.annotate import annotate
-from doro_schemas.graph import MAX_DEPTH, ObjectGraph, walk
-
-
-def show(graph: ObjectGraph | None) -> str:
-    if graph is None:
-        return "-"
-    values = ",".join(f"{kind}={value}" for kind, value in graph.attributes.items())
-    relations = "".join(f"({item.type} {show(item.target)})" for item in graph.relations)
-    return graph.name + (f"{{{values}}}" if values else "") + relations
+from doro_schemas.graph import MAX_DEPTH, walk
 
 
 def parse_marked(marked: str):
@@ -25,7 +18,8 @@ TABLE = [
     ("find the {O bed}", "bed", "find"),
     ("{O cup}", "cup", ""),
     ("bring me the {C red} {O cup}", "cup{color=red}", "bring"),
-    ("take the {M plastic} {O cup} {P on} the {R table}", "cup{material=plastic}(is-on table)", "take"),
+    ("take the {M plastic} {O cup} {P on} the {R table}",
+     "cup{material=plastic}(is-on table)", "take"),
     ("a {C red} {M plastic} {O cup}", "cup{color=red,material=plastic}", ""),
     ("a {M wooden} {C brown} {O chair}", "chair{color=brown,material=wood}", ""),
     ("the {C white} {O lamp} {N near} a {C white} {R table}",
@@ -41,10 +35,12 @@ TABLE = [
      "cup{color=blue}(is-on table)", "bring"),
     ("{A in} the {R kitchen} {P on} the {C white} {R table} find a {O cup}",
      "cup(is-at kitchen)(is-on table{color=white})", "find"),
-    ("the {O cup} {P on} the {R table} {N near} the {R sink}", "cup(is-on table(is-near sink))", ""),
+    ("the {O cup} {P on} the {R table} {N near} the {R sink}",
+     "cup(is-on table(is-near sink))", ""),
     ("the {O cup} {A in} the {R kitchen} {P on} the {R table}",
      "cup(is-at kitchen)(is-on table)", ""),
-    ("a {C brown} {M wooden} {O chair} {N near} the {C white} {R dining table} , {N next to} a {R box}",
+    ("a {C brown} {M wooden} {O chair} {N near} the {C white} {R dining table} , {N next to} a"
+     " {R box}",
      "chair{color=brown,material=wood}(is-near dining table{color=white})(is-near box)", ""),
     ("the {O cup} {P on} the {R table} which is {N near} the {R sink}",
      "cup(is-on table(is-near sink))", ""),

@@ -154,7 +154,7 @@ class Nlu:
                 known[text] = self._cache[text]
                 self.counters["cache_hits"] += 1
         new = list(dict.fromkeys(text for text in texts if text not in known))
-        for text, understood in zip(new, self._understand(new), strict=True):
+        for text, understood in zip(new, self._understand(new) if new else [], strict=True):
             known[text] = self._cache[text] = understood
         while len(self._cache) > self._settings.cache_size:
             self._cache.popitem(last=False)

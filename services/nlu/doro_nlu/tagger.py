@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple, Protocol
@@ -43,11 +44,18 @@ class Tagger(Protocol):
 
 
 class Vocabulary(msgspec.Struct, frozen=True):
-    """What belongs to a model file: labels, words and characters with their ids."""
+    """What belongs to a model file.
+
+    Attributes:
+        labels: in the order of the model's scores.
+        words, chars: ids count from ``FIRST_FREE`` in this order.
+        model_sha256: hex digest of the model file; empty = not checked.
+    """
 
     labels: list[str]
     words: list[str]
     chars: list[str]
+    model_sha256: str = ""
 
 
 class BiLstmTagger:
@@ -67,10 +75,11 @@ class BiLstmTagger:
         self._words = {word: FIRST_FREE + i for i, word in enumerate(vocabulary.words)}
         self._chars = {char: FIRST_FREE + i for i, char in enumerate(vocabulary.chars)}
         self._decoder = Decoder(self.labels)
-        self._session = _load_session(directory / MODEL_FILE)
+        self._session = _load_session(directory / MODEL_FILE, vocabulary.model_sha256)
         self._check(directory)
 
     def _check(self, directory: Path) -> None:
+        """Refuse a vocabulary of another model: by labels, and by running the last word's id."""
         inputs = {item.name for item in self._session.get_inputs()}
         width = self._session.get_outputs()[0].shape[-1]
         if inputs != _INPUTS or width != len(self.labels):
@@ -78,6 +87,14 @@ class BiLstmTagger:
                 f"the tagger in {directory} has inputs {sorted(inputs)} and {width} labels, but its"
                 f" vocabulary lists {len(self.labels)} labels: take model and vocabulary of one run"
             )
+        last = [*list(self._words)[-1:], *list(self._chars)[-1:]]
+        try:
+            self.tag([last])
+        except Exception as error:  # onnxruntime has no public base class of its errors
+            raise Refused(
+                f"the vocabulary in {directory} lists {len(self._words)} words and"
+                f" {len(self._chars)} characters, more than its model has: take both of one run"
+            ) from error
 
     def knows(self, word: str) -> bool:
         """Tell whether a word (any case) is in the vocabulary."""
@@ -115,11 +132,18 @@ def load_vocabulary(path: Path) -> Vocabulary:
         ) from error
 
 
-def _load_session(path: Path) -> ort.InferenceSession:  # type: ignore[name-defined]
+def _load_session(path: Path, sha256: str) -> ort.InferenceSession:  # type: ignore[name-defined]
     if not path.is_file():
         raise Refused(
             f"the tagger's model {path} is missing: reinstall doro-nlu or set nlu.model_dir to a"
             " directory with a trained model"
+        )
+    content = path.read_bytes()
+    if sha256 and hashlib.sha256(content).hexdigest() != sha256:
+        raise Refused(
+            f"the tagger's model {path} is not the one its vocabulary belongs to, or it is"
+            " damaged (sha256 differs): reinstall doro-nlu or train it again with"
+            " 'python -m doro_nlu.train'"
         )
     options = ort.SessionOptions()  # type: ignore[attr-defined]
     options.intra_op_num_threads = 1
@@ -127,7 +151,7 @@ def _load_session(path: Path) -> ort.InferenceSession:  # type: ignore[name-defi
     options.log_severity_level = 4
     try:
         return ort.InferenceSession(  # type: ignore[attr-defined]
-            str(path), sess_options=options, providers=["CPUExecutionProvider"]
+            content, sess_options=options, providers=["CPUExecutionProvider"]
         )
     except Exception as error:  # onnxruntime has no public base class of its errors
         first_line = str(error).splitlines()[0] if str(error) else type(error).__name__

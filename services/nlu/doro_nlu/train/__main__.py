@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import hashlib
 import itertools
-import json
 import math
 import time
 from collections.abc import Iterator
@@ -22,7 +21,7 @@ from doro_nlu.labels import LABELS
 from doro_nlu.tagger import MODEL_FILE, VOCABULARY_FILE, BiLstmTagger, Vocabulary
 from doro_nlu.train.annotate import Example
 from doro_nlu.train.card import write_card
-from doro_nlu.train.evaluate import Report, evaluate
+from doro_nlu.train.evaluate import Report, evaluate, held_out_examples, read_gold
 from doro_nlu.train.export import export, parity
 from doro_nlu.train.generate import Generator
 from doro_nlu.train.model import BiLstm
@@ -30,7 +29,6 @@ from doro_nlu.train.vocabulary import build_chars, build_words
 
 LABEL_IDS = {label: index for index, label in enumerate(LABELS)}
 IGNORED = -100
-HELD_OUT_SENTENCES = 3000
 
 
 def batches(seed: int, size: int) -> Iterator[list[Example]]:
@@ -82,20 +80,14 @@ def train(arguments: argparse.Namespace, log: list[str]) -> tuple[BiLstm, Vocabu
     return model, Vocabulary(list(LABELS), list(words), list(chars))
 
 
-def read_gold(path: Path) -> list[Example]:
-    """Return the labelled sentences of a JSON-lines file with ``tokens`` and ``labels``."""
-    rows = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
-    return [Example(row["tokens"], row["labels"]) for row in rows]
-
-
 def main() -> None:
     """Train, export, check parity, evaluate and write the model card."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seed", type=int, default=7)
     parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--steps", type=int, default=6000)
+    parser.add_argument("--steps", type=int, default=4000)
     parser.add_argument("--batch", type=int, default=64)
-    parser.add_argument("--rate", type=float, default=2e-3)
+    parser.add_argument("--rate", type=float, default=3e-3)
     parser.add_argument("--gold", type=Path, help="labelled human sentences, measured only")
     arguments = parser.parse_args()
     torch.set_num_threads(1)
@@ -106,11 +98,11 @@ def main() -> None:
     model.eval()
     out: Path = arguments.out
     out.mkdir(parents=True, exist_ok=True)
-    (out / VOCABULARY_FILE).write_bytes(msgspec.json.encode(vocabulary) + b"\n")
     export(model, out / MODEL_FILE, len(LABELS))
-    held_out = list(
-        itertools.islice(Generator(arguments.seed + 500, held_out=True), HELD_OUT_SENTENCES)
-    )
+    digest = hashlib.sha256((out / MODEL_FILE).read_bytes()).hexdigest()
+    vocabulary = msgspec.structs.replace(vocabulary, model_sha256=digest)
+    (out / VOCABULARY_FILE).write_bytes(msgspec.json.encode(vocabulary) + b"\n")
+    held_out = held_out_examples(arguments.seed)
     words = {word: FIRST_FREE + i for i, word in enumerate(vocabulary.words)}
     chars = {char: FIRST_FREE + i for i, char in enumerate(vocabulary.chars)}
     sample = encode([example.tokens for example in held_out[:64]], words, chars)
@@ -121,7 +113,6 @@ def main() -> None:
     reports: dict[str, Report] = {"held-out templates": evaluate(tagger, held_out)}
     if arguments.gold:
         reports["gold_dev (38 human sentences)"] = evaluate(tagger, read_gold(arguments.gold))
-    digest = hashlib.sha256((out / MODEL_FILE).read_bytes()).hexdigest()
     parameters = sum(parameter.numel() for parameter in model.parameters())
     log.append(f"parameters {parameters} ONNX parity {difference:.2e} sha256 {digest}")
     log += [f"{name}: weighted F1 {r.weighted_f1:.4f}" for name, r in reports.items()]

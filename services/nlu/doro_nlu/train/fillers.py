@@ -130,7 +130,8 @@ WORDS: dict[str, tuple[str, ...]] = {
         open the safe|step back|turn the faucet on|close the cabinet|close the fridge"""
     ),
     "go": _lines(
-        """go to the kitchen|go to the bedroom|walk to the table|go to the white table|
+        """take two steps forward then turn right|take a step to the left|
+        take three steps|go to the kitchen|go to the bedroom|walk to the table|go to the white table|
         move to the counter|turn left and walk to the sink|go into the living room|
         turn around and go to the bed|head to the bathroom|walk over to the couch|
         go back to the desk|navigate to the office|turn right|go straight|walk forward|
@@ -163,7 +164,9 @@ WORDS: dict[str, tuple[str, ...]] = {
         """|||no ,|yes ,|yes|no|i mean|please|ok ,|hmm ,|well ,|sorry ,|actually ,|i want|i meant"""
     ),
     "chat": _lines(
-        """hello|hi there|how are you|thank you|thanks a lot|what time is it|stop|wait|never mind|
+        """thank you very much|thank you so much|what is your name|many thanks|nice work|
+        hello|hi there|how are you|thank you|thanks a lot|what time is it|stop|
+        wait|never mind|
         forget it|yes|no|ok|okay|what can you do|tell me a joke|good morning|who are you|
         come here|follow me|what is the weather like|i don't know|both of them|either|
         any of them|whatever|cancel|that is right|the other one|all of them|nothing|neither|

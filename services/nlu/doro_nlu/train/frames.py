@@ -181,8 +181,8 @@ NOTHING = tuple("""
 <voc> <go>
 <pol> <put2> it <dest>
 <pol> bring it <todest>
-<tail>
-<tail> and <tail>
+<it>
+<it> and <it>
 <chat>
 <chat>
 <foreign>

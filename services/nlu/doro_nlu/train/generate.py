@@ -15,7 +15,7 @@ from doro_nlu.train.nouns import AMBIGUOUS, COMMON, invented, plural, thing
 from doro_nlu.train.phrases import Phrases, strip_labels
 
 _SLOT = re.compile(r"<([a-z_0-9]+)(?::([a-zA-Z]+))?>")
-TYPO_SHARE = 0.12
+TYPO_SHARE = 0.15
 _NEGATIONS = (", not", " not", " but not", ", and not")
 _GO = (
     "go to", "walk to", "move to", "head to", "go into", "go over to", "walk over to", "approach",
@@ -26,6 +26,7 @@ _LATER = (
     "turn to face", "walk to", "go to", "open", "close", "turn on", "find", "bring it to",
     "take it to", "move to", "carry it to", "turn left to find", "look at", "clean",
 )  # fmt: skip
+_IT_VERBS = ("bring", "take", "get", "wash", "clean", "pick up", "fetch", "find", "give me")
 _OUT_VERBS = ("take", "get", "pull", "bring")
 _REPAIRS = ("", "sorry , ", "i mean ", "rather ")
 
@@ -98,6 +99,7 @@ class Generator:
             "go": lambda _: _navigation(phrases, rng),
             "tail": lambda _: _next_task(phrases, rng),
             "keep": lambda _: self._keep(),
+            "it": lambda _: _with_it(phrases, rng),
             "again": lambda _: f"the {self.kept}",
             "colornoun": lambda _: phrases.determined("O", rng.choice(AMBIGUOUS), 0.2, 0.8),
         }
@@ -113,10 +115,17 @@ def _navigation(phrases: Phrases, rng: Random) -> str:
     return f"{rng.choice(_GO)} {phrases.plain()} {where}"
 
 
+def _with_it(phrases: Phrases, rng: Random) -> str:
+    if rng.random() < 0.3:
+        verb = rng.choice(_IT_VERBS)
+        return f"{verb} {rng.choice(('it', 'them', 'that', 'this', 'it here', 'it to me'))}"
+    verb = rng.choice(("put", "place", "set", "drop", "leave", "hang"))
+    return f"{verb} {rng.choice(('it', 'it', 'them', 'that'))} {phrases.destination()}"
+
+
 def _next_task(phrases: Phrases, rng: Random) -> str:
     if rng.random() < 0.5:
-        verb = rng.choice(("put", "place", "set", "drop", "leave", "hang"))
-        return f"{verb} {rng.choice(('it', 'it', 'them', 'that'))} {phrases.destination()}"
+        return _with_it(phrases, rng)
     return f"{rng.choice(_LATER)} {phrases.plain()}"
 
 
