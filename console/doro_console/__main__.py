@@ -16,7 +16,7 @@ from doro_console.options import Common, common_options, says_refusals, talk
 SENTENCES = (
     "bring me the red cup",
     "bring me the blue cup",
-    "pick up the green kettle",
+    "pick up the white toaster",
     "find the vase",
 )
 OUT = Path("out/demo")

@@ -17,7 +17,7 @@ from doro_schemas.errors import Refused
 from doro_schemas.settings import load_settings
 
 P = ParamSpec("P")
-talk = Console(stderr=True, highlight=False)
+talk = Console(stderr=True, highlight=False, soft_wrap=True)
 """Talk and progress go to stderr; outputs meant for programs go to stdout."""
 
 

@@ -316,3 +316,21 @@ def test_paper_literal_is_a_setting():
 def test_settings_that_make_no_sense_are_refused(wrong):
     with pytest.raises(ValueError, match="must be"):
         DialogueSettings(**wrong)
+
+
+def test_an_emptied_map_begins_the_episode_even_before_the_word_of_it() -> None:
+    """Deltas of a new pass may overtake its ``started``; they revise nothing that is over."""
+    core = dialogue()
+    core.exploration(started())
+    core.instruction_graph(instruction())
+    core.exploration(finished())
+    core.instances(reply(RED_CUP))
+    assert core.grid_delta(delta(-1, reset=True)) == []
+    assert core.grid_delta(delta(0)) == []  # not a new look at the old decision
+    assert core.exploration(started()) == []
+    core.instruction_graph(instruction())
+    asks = core.exploration(finished())
+    assert len(asks) == 1
+    (query,) = core.instances(reply(RED_CUP))
+    assert isinstance(query, Query)
+    assert (query.dialogue_id, query.revision) == ("room/1", 0)

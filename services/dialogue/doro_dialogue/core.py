@@ -116,7 +116,13 @@ class Dialogue:
         return self._decide_open(message.stamp_ns)
 
     def grid_delta(self, message: GridDelta) -> list[Output]:
-        """Follow the map: a Belief now and then while exploring, a new look after its end."""
+        """Follow the map: a Belief now and then while exploring, a new look after its end.
+
+        A map that was emptied begins the episode as ``started`` does: the two travel on
+        different keys, so either may come first.
+        """
+        if message.reset and (self._phase != "started" or message.episode != self._episode):
+            self._begin(message.episode)
         if message.episode not in ("", self._episode) or self._phase == "none":
             self.counters["other_episode"] += 1
             return []
