@@ -26,6 +26,7 @@ SOFT = frozenset({"Pillow", "TeddyBear", "Cloth"})
 CLEARANCE_M = 0.03
 SEEN_WITHIN_M = 2.6
 SPREADS_M = (1.2, 0.8, 0.5, 0.3)  # tried in turn: copies stand apart where the room allows
+LAST_TRIES = 4
 SURFACES = frozenset(
     """CounterTop DiningTable CoffeeTable SideTable Desk Dresser TVStand Shelf ShelvingUnit
     Sofa Bed ArmChair""".split()  # noqa: SIM905
@@ -107,6 +108,10 @@ def spawn_copies(scene: Scene, spec: CopySpec, seed: int) -> Scene:
             candidates = _draw(scene, copy.on_floor, rng)
             if found is None and candidates is not None:
                 found = _find_place(scene, caster, copy, _Search(candidates, made, spread_m))
+        for _ in range(LAST_TRIES):  # a crowded room: close together, seen from a few cells
+            candidates = _draw(scene, copy.on_floor, rng) if found is None else None
+            if candidates is not None:
+                found = _find_place(scene, caster, copy, _Search(candidates, made, 0.2, 3))
         if found is None:
             raise Refused(
                 f"{scene.name} has no free, visible place for {spec.count} copies of"
@@ -153,11 +158,12 @@ def _shape(scene: Scene, spec: CopySpec, size: Vector, color: str) -> tuple[Part
 
 @dataclass(frozen=True)
 class _Search:
-    """Where to look for a place, what is already made, and how far to stay from it."""
+    """Where to look, what is made and how far to stay from it, cells that must see the place."""
 
     candidates: _Candidates
     made: list[Instance]
     spread_m: float
+    least_cells: int | None = None
 
 
 def _find_place(scene: Scene, caster: RayCaster, copy: _Copy, search: _Search) -> _Place | None:
@@ -165,7 +171,9 @@ def _find_place(scene: Scene, caster: RayCaster, copy: _Copy, search: _Search) -
     candidates, made = search.candidates, search.made
     low, high = bounds(copy.shape)
     tops = _surface(caster, candidates, copy, high - low)
-    least = 0 if copy.on_floor else max(3, len(scene.cells) // 12)
+    least = search.least_cells
+    if least is None:
+        least = 0 if copy.on_floor else max(3, len(scene.cells) // 12)
     used = {receptacle for item in made for receptacle in item.receptacles}
     names = [scene.instances[k].object_id for k in candidates.support]
     taken = np.array([name in used for name in names])
