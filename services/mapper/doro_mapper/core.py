@@ -24,6 +24,7 @@ from doro_schemas.messages import (
     InstancesRequest,
     Rejected,
 )
+from doro_schemas.topics import topic_of
 from doro_schemas.vocabulary import canonical_name, canonical_value, name_satisfies
 
 MAX_ENDED = 64
@@ -235,7 +236,7 @@ class Mapper:
             stamp_ns=message.stamp_ns if message is not None else self._stamp_ns,
             episode=self._episode or "",
             service="mapper",
-            key="",
+            key=topic_of(DepthFrame if half.depth is not None else FrameGraphs).key,
             reason=(
                 f"frame {key[1]} of {key[0]} has {had} but its {lacked} did not come within"
                 f" {self._settings.max_pending_frames} frames: check that both are published with"

@@ -167,7 +167,7 @@ def exists(track: Track, views: Views, settings: MapperSettings) -> Found | None
     low, high = extent([sighting.place for sighting, measured in pairs if measured])
     return Found(
         name=track.name,
-        center_m=track.center_m,
+        center_m=(track.center_m + (low + high) / 2) / 2,
         low_m=low,
         high_m=high,
         sightings=[track.sightings[i] for i in order],

@@ -22,7 +22,7 @@ WINDOW_OF_SIDE = 0.8
 WINDOW_MIN_M = 0.04
 NEAREST_DEPTH_M = 0.05
 BORDER_PX = 1.0
-OUTER_SHARE = 0.03
+OUTER_SHARE = 0.01
 
 
 @dataclass(frozen=True, slots=True)

@@ -109,7 +109,7 @@ class RegionFinder:
         low, high = extent([sighting.place for sighting in members])
         return Found(
             name=track.name,
-            center_m=track.center_m,
+            center_m=(track.center_m + (low + high) / 2) / 2,
             low_m=low,
             high_m=high,
             sightings=members,

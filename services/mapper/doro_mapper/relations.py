@@ -11,6 +11,8 @@ from doro_schemas.graph import ObjectGraph, Relation, identity
 from doro_schemas.spatial import NEAR_M, Box3, gap_m, relation_between
 
 ORDER = ("is-on", "is-at", "is-near")
+Option = tuple[bool, float, float, int]
+"""Sorts landmarks: lesser, gap, distance of centres (metres); and the landmark's index."""
 
 
 def box_of(found: Found) -> Box3:
@@ -28,9 +30,10 @@ def spatial_relations(
 ) -> list[list[Relation]]:
     """Return by instance what holds between it and the others.
 
-    The closest thing it is on, the closest it is at, and up to ``max_near`` different nearest
-    ones. A thing of its own class is a landmark for is-near only. Landmarks carry class and
-    attributes, no relations of their own.
+    The closest thing it is on, the closest it is at, and up to ``max_near`` different ones near
+    it: first larger things of other classes, then the rest, each nearest first. A thing of its
+    own class is a landmark for is-near only. Landmarks carry class and attributes, no relations
+    of their own.
     """
     boxes = [box_of(found) for found in instances]
     if not boxes:
@@ -40,22 +43,50 @@ def spatial_relations(
     apart = np.maximum(low[:, None] - high[None], low[None] - high[:, None]).max(-1)
     out = []
     for i, box in enumerate(boxes):
-        options: dict[str, list[tuple[float, float, int]]] = {kind: [] for kind in ORDER}
+        options: dict[str, list[Option]] = {kind: [] for kind in ORDER}
         for j in np.flatnonzero(apart[i] <= NEAR_M).tolist():
-            kind = relation_between(box, boxes[j]) if j != i else None
-            if kind is None or (kind != "is-near" and graphs[i].name == graphs[j].name):
+            kind = _relation(box, boxes[j]) if j != i else None
+            same = graphs[i].name == graphs[j].name
+            if kind is None or (kind != "is-near" and same):
                 continue
             gap = float(np.hypot(gap_m(box, boxes[j], 0), gap_m(box, boxes[j], 1)))
             if kind == "is-on":
                 gap = abs(box.low(2) - boxes[j].high(2))
-            center = np.subtract(box.center_m, boxes[j].center_m)
-            options[kind].append((round(gap, 4), round(float(np.linalg.norm(center)), 4), j))
+            apart_m = float(np.linalg.norm(np.subtract(box.center_m, boxes[j].center_m)))
+            lesser = same or not _landmark(box, boxes[j])
+            options[kind].append((lesser, round(gap, 4), round(apart_m, 4), j))
         out.append(_chosen(options, graphs, max_near))
     return out
 
 
+def _relation(box: Box3, other: Box3) -> str | None:
+    """Return how a thing stands to a landmark.
+
+    Only what is larger on the ground carries or holds a thing. What it carries or holds itself
+    is not near it: nobody says that a table is near its cup.
+    """
+    kind = relation_between(box, other)
+    if kind is None or (kind != "is-near" and _ground_m2(other) <= _ground_m2(box)):
+        return None
+    reverse = relation_between(other, box)
+    held = reverse is not None and reverse != "is-near" and _ground_m2(other) < _ground_m2(box)
+    return None if held else kind
+
+
+def _ground_m2(box: Box3) -> float:
+    return box.size_m[0] * box.size_m[1]
+
+
+def _landmark(box: Box3, other: Box3) -> bool:
+    """Tell whether people would point at a thing by another: larger, and of furniture's size."""
+    sides = sorted(other.size_m)
+    return _ground_m2(other) > _ground_m2(box) and sides[2] >= 0.3 and sides[1] >= 0.15
+
+
 def _chosen(
-    options: dict[str, list[tuple[float, float, int]]], graphs: list[ObjectGraph], max_near: int
+    options: dict[str, list[tuple[bool, float, float, int]]],
+    graphs: list[ObjectGraph],
+    max_near: int,
 ) -> list[Relation]:
     """Return the closest landmarks of each kind; equal landmarks once."""
     out = []
