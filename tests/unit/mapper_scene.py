@@ -50,16 +50,21 @@ def render(things: list[Thing], pose: Pose) -> tuple[NDArray[np.float32], NDArra
     v, u = np.mgrid[0:SIZE_PX, 0:SIZE_PX] + 0.5
     local = np.stack([(u - LENS.cx) / LENS.fx, (v - LENS.cy) / LENS.fy, np.ones_like(u)], -1)
     rays = local @ pose.matrix().T  # planar depth 1 along each ray
-    rays = np.where(np.abs(rays) < 1e-12, 1e-12, rays)
+    inverse = 1 / np.where(np.abs(rays) < 1e-12, 1e-12, rays)
+    inverse = np.ascontiguousarray(inverse.transpose(2, 0, 1))
     eye = np.asarray(pose.position_m)
     depth = np.full(u.shape, np.inf)
     index = np.full(u.shape, -1)
     for number, thing in enumerate(things):
         half, center = np.array(thing.size_m) / 2, np.array(thing.center_m)
-        t0, t1 = (center - half - eye) / rays, (center + half - eye) / rays
-        enter, leave = np.minimum(t0, t1).max(-1), np.maximum(t0, t1).min(-1)
+        enter, leave = np.full(u.shape, 0.02), depth
+        for axis in range(3):
+            t0 = (center[axis] - half[axis] - eye[axis]) * inverse[axis]
+            t1 = (center[axis] + half[axis] - eye[axis]) * inverse[axis]
+            enter = np.maximum(enter, np.minimum(t0, t1))
+            leave = np.minimum(leave, np.maximum(t0, t1))
         hit = (enter <= leave) & (enter > 0.02) & (enter < depth)
-        depth[hit] = enter[hit]
+        depth = np.where(hit, enter, depth)
         index[hit] = number
     return np.where(np.isfinite(depth), depth, 0).astype(np.float32), index
 
