@@ -80,7 +80,7 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     min_side_px: float = 6.0
     min_area_px: float = 50.0
     leave_out: tuple[str, ...] = STRUCTURE
-    relation_joiner: Literal["", "and"] = ""
+    relation_joiner: Literal["", "and"] = "and"
     model: str = ""
     threads: int = 1
     score_threshold: float = 0.4
