@@ -13,7 +13,7 @@ from rerun.chunk import RrdReader
 
 from doro_schemas import messages as m
 from doro_schemas.errors import Refused
-from doro_viewer.grid_state import FrameClock, GridState
+from doro_viewer.grid_state import FrameClock, GridState, solid
 from doro_viewer.outputs import RerunScreen
 from doro_viewer.rerun_views import Bounds
 from doro_viewer.settings import ViewerSettings
@@ -153,6 +153,19 @@ def test_grid_state_adds_deltas_up_and_drops_cells_that_emptied() -> None:
     assert len(state.centers_m("table")) == count - 1
     assert state.replace(made.snapshot()) == ["cup", "sofa", "table"]
     np.testing.assert_allclose(state.centers_m("table")[0], [0.725, 0.825, 0.625], rtol=1e-6)
+
+
+def test_cells_that_were_mostly_not_confirmed_are_not_drawn() -> None:
+    cells = np.array([[0, 0, 0, 0, 1, 20], [0, 1, 0, 0, 5, 20], [0, 2, 0, 0, 0, 0]], np.int32)
+    assert solid(cells).tolist() == [False, True, False]
+
+
+def test_boxes_of_the_class_asked_for_carry_their_caption(tmp_path: Path) -> None:
+    path = tmp_path / "run.rrd"
+    record(path)
+    labels = columns(path, "/camera/cam0/image/objects")["Boxes2D:labels"]
+    assert ["a red cup", "a dark blue cup", "table"] in labels
+    assert ["a red cup", "a dark blue cup", "a white table"] in labels
 
 
 def test_cells_of_an_unknown_graph_wait_for_the_snapshot() -> None:

@@ -9,11 +9,23 @@ from numpy.typing import NDArray
 
 from doro_schemas.messages import GraphEntry, GridDelta, GridSnapshot
 
-Cell = tuple[int, int, int]
+Cell = tuple[int, ...]
+"""(graph id, ground a, ground b, height band)"""
+
+
+SOLID_SHARE = 0.12
+"""Cells seen in less than this share of the frames that could have seen them are not drawn."""
+
+
+def solid(cells: NDArray[np.int32]) -> NDArray[np.bool_]:
+    """Tell of each cell (n, 6) whether it was seen often enough to be drawn, bool (n,)."""
+    frequency, observable = cells[:, 4], cells[:, 5]
+    often: NDArray[np.bool_] = (frequency > 0) & (frequency >= SOLID_SHARE * observable)
+    return often
 
 
 class GridState:
-    """What the deltas add up to: occupied cells of each class.
+    """What the deltas add up to: the solid cells of each class.
 
     ``cell_m`` and ``band_m`` are those of the latest message, 0 before the first.
     """
@@ -22,7 +34,7 @@ class GridState:
         self.cell_m = 0.0
         self.band_m = 0.0
         self._names: dict[int, str] = {}
-        self._cells: dict[str, dict[tuple[int, Cell], int]] = {}
+        self._cells: dict[str, dict[Cell, None]] = {}
 
     def clear(self) -> list[str]:
         """Forget everything; return the classes that were there, sorted."""
@@ -47,23 +59,27 @@ class GridState:
     def _take(self, message: GridDelta | GridSnapshot, graphs: list[GraphEntry]) -> list[str]:
         self.cell_m, self.band_m = message.cell_m, message.band_m
         self._names.update({entry.graph_id: entry.graph.name for entry in graphs})
-        touched: dict[str, None] = {}
-        for graph_id, a, b, band, frequency, _ in message.cells.tolist():
-            name = self._names.get(graph_id)
+        changed: dict[str, None] = {}
+        shown = solid(message.cells).tolist()
+        for cell, is_solid in zip(map(tuple, message.cells[:, :4].tolist()), shown, strict=True):
+            name = self._names.get(cell[0])
             if name is None:
                 continue
-            touched[name] = None
             cells = self._cells.setdefault(name, {})
-            if frequency > 0:
-                cells[graph_id, (a, b, band)] = frequency
-            else:
-                cells.pop((graph_id, (a, b, band)), None)
-        return sorted(touched)
+            if is_solid and cell not in cells:
+                cells[cell] = changed[name] = None
+            elif not is_solid and cell in cells:
+                del cells[cell]
+                changed[name] = None
+        return sorted(changed)
 
     def centers_m(self, name: str) -> NDArray[np.float32]:
-        """Return centres of a class's cells, float32 (n, 3) in (ground a, ground b, up)."""
-        cells = sorted({cell for _, cell in self._cells.get(name, {})})
-        indices: NDArray[Any] = np.asarray(cells, dtype=np.float32).reshape(-1, 3)
+        """Return centres of a class's cells, float32 (n, 3) in (ground a, ground b, up).
+
+        A place where two graphs of the class were seen counts twice.
+        """
+        rows = list(self._cells.get(name, {}))
+        indices: NDArray[Any] = np.asarray(rows, dtype=np.float32).reshape(-1, 4)[:, 1:]
         scale = np.array([self.cell_m, self.cell_m, self.band_m], dtype=np.float32)
         centers: NDArray[np.float32] = (indices + np.float32(0.5)) * scale
         return centers

@@ -104,6 +104,10 @@ class LiveViewer:
             except subprocess.TimeoutExpired:
                 os.killpg(self._process.pid, signal.SIGKILL)
                 self._process.wait()
+            # The guard may be gone a moment before the program has let go of its ports.
+            deadline_s = time.monotonic() + STOP_TIMEOUT_S
+            while any(map(_listens, self._ports())) and time.monotonic() < deadline_s:
+                time.sleep(_POLL_S)
         self._process = None
         if self._home is not None:
             self._home.cleanup()

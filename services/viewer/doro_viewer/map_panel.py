@@ -14,6 +14,7 @@ from doro_schemas.camera import World, bev_axes
 from doro_schemas.graph import identity
 from doro_schemas.messages import GridSnapshot, Instance
 from doro_viewer.colors import Rgb, graph_color, mix, stable_color
+from doro_viewer.grid_state import solid
 from doro_viewer.labels import Box
 from doro_viewer.lettering import Canvas, Style, line, rectangle, text_width_px, write
 from doro_viewer.words import noun_phrase
@@ -96,14 +97,15 @@ def regions(snapshot: GridSnapshot, wanted: set[str], *, by_class: bool = False)
     """Return the cells of each kind of graph whose class is wanted, height bands added up.
 
     A kind is class and self attributes, or, ``by_class``, the class alone. Where several
-    kinds share a cell, it belongs to the one with the most weight there. In the order of
-    their text.
+    kinds share a cell, it belongs to the one with the most weight there. Cells that were
+    seldom seen are left out. In the order of their text.
     """
     graphs = {entry.graph_id: entry.graph for entry in snapshot.graphs}
+    often = solid(snapshot.cells)
     looks: dict[str, tuple[str, Rgb]] = {}
     sums: dict[tuple[int, int], dict[str, float]] = {}
-    weights = snapshot.weights.tolist()
-    for (graph_id, a, b, *_), weight in zip(snapshot.cells.tolist(), weights, strict=True):
+    cells, weights = snapshot.cells[often].tolist(), snapshot.weights[often].tolist()
+    for (graph_id, a, b, *_), weight in zip(cells, weights, strict=True):
         graph = graphs.get(graph_id)
         if graph is None or graph.name not in wanted:
             continue
@@ -129,7 +131,8 @@ def _region(name: str, color: Rgb, owned: dict[tuple[int, int], float]) -> Regio
 def draw_ground(canvas: Canvas, frame: Frame, snapshot: GridSnapshot) -> None:
     """Draw what was observed: floor, and cells of all things, one gray each."""
     fill_cells(canvas, frame, snapshot.floor[:, :2], snapshot.cell_m, FLOOR)
-    fill_cells(canvas, frame, snapshot.cells[:, 1:3], snapshot.cell_m, OTHER)
+    things = snapshot.cells[solid(snapshot.cells)]
+    fill_cells(canvas, frame, things[:, 1:3], snapshot.cell_m, OTHER)
 
 
 def fill_cells(
@@ -151,19 +154,22 @@ def cell_boxes(frame: Frame, cells: NDArray[np.int32], cell_m: float) -> Iterato
 
 
 def draw_region(canvas: Canvas, frame: Frame, region: Region, cell_m: float, share: float) -> None:
-    """Draw a region in its colour, weak cells paler, with an outline.
+    """Draw a region in its colour, weak cells paler.
 
-    ``share`` is how much of the colour the strongest cell shows over gray.
+    ``share`` is how much of the colour the strongest cell shows over gray; a region that is
+    shown in full gets an outline.
     """
     color = region.color
     mask = np.zeros(canvas.shape[:2], dtype=np.uint8)
     boxes = cell_boxes(frame, region.cells, cell_m)
     for box, strength in zip(boxes, region.strength.tolist(), strict=True):
-        rectangle(canvas, box, mix(OTHER, color, share * (0.45 + 0.55 * strength)), -1)
+        rectangle(canvas, box, mix(OTHER, color, share * (0.4 + 0.6 * strength)), -1)
         left, top, right, bottom = box
         mask[top : bottom + 1, left : right + 1] = 255
+    if share < 1.0:
+        return
     outlines = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[0]
-    cv2.drawContours(canvas, outlines, -1, mix(mix(color, INK, 0.45), OTHER, 1 - share), 1)
+    cv2.drawContours(canvas, outlines, -1, mix(color, INK, 0.45), 1)
 
 
 def draw_path(canvas: Canvas, frame: Frame, path_m: NDArray[np.float32]) -> None:

@@ -30,6 +30,7 @@ MAP_HEIGHT_PX = 640
 EDGE_PX = 24
 AXIS_PX = 46
 LABEL_PX = 210
+LABEL_RELATIONS = 1
 WHITE: Rgb = (255, 255, 255)
 BODY = Style(scale=0.5, color=panel.INK)
 TITLE = Style(scale=0.66, color=panel.INK, stroke_px=2)
@@ -85,15 +86,16 @@ def draw_map(
 def _classes(
     snapshot: GridSnapshot, instances: list[Instance], query: Query | None
 ) -> tuple[set[str], set[str]]:
-    """Return the classes asked for and the landmarks that words refer to."""
+    """Return the classes asked for and the landmarks that the picture's words refer to."""
     names = [entry.graph.name for entry in snapshot.graphs]
     if query is None:
         return set(names), set()
     said = query.input_graph.name
     asked = {name for name in names if name_satisfies(said, name)}
     graphs: list[ObjectGraph] = [query.input_graph, *(clause.graph for clause in query.clauses)]
-    graphs += [instance.graph for instance in instances]
     referred = {node.name for graph in graphs for node in list(walk(graph))[1:]}
+    shown = [instance.graph.relations[:LABEL_RELATIONS] for instance in instances]
+    referred |= {relation.target.name for relations in shown for relation in relations}
     landmarks = {name for name in names if any(name_satisfies(word, name) for word in referred)}
     return asked, landmarks - asked
 
@@ -139,7 +141,9 @@ def _draw_instances(
     tags = [
         _Tag(
             head=instance.instance_id,
-            text=wrap(short_description(instance.graph, 1), LABEL_PX, LABEL, max_lines=2),
+            text=wrap(
+                short_description(instance.graph, LABEL_RELATIONS), LABEL_PX, LABEL, max_lines=2
+            ),
             color=graph_color(instance.graph),
             matched=instance.instance_id in matches,
             anchor=panel.instance_box(frame, instance, world),
@@ -156,6 +160,11 @@ def _draw_instances(
         line(canvas, leader(foot, box), mix(panel.INK, WHITE, 0.25), 1)
     for (box, _), tag in zip(placed, tags, strict=True):
         _draw_tag(canvas, box, tag)
+
+
+def _label_lines(instance: Instance) -> list[str]:
+    text = short_description(instance.graph, LABEL_RELATIONS)
+    return wrap(text, LABEL_PX, LABEL, max_lines=2)
 
 
 def _draw_tag(canvas: Canvas, box: Box, tag: _Tag) -> None:

@@ -18,6 +18,7 @@ import rerun as rr
 
 from doro_schemas import messages as m
 from doro_schemas.messages.base import Message
+from doro_schemas.vocabulary import name_satisfies
 from doro_viewer.colors import stable_color
 from doro_viewer.grid_state import FrameClock
 from doro_viewer.rerun_map import RerunMap
@@ -160,9 +161,16 @@ class RerunLog:
         self._boxes(
             graphs.camera,
             [box.box_px for box in found],
-            [box.caption or short_description(box.graph) for box in found],
+            [self._label(box) for box in found],
             [stable_color(box.graph.name) for box in found],
         )
+
+    def _label(self, box: m.GraphBox) -> str:
+        """Return the caption of what is asked for, of all else the class: it gets crowded."""
+        asked = self._instruction.graph if self._instruction else None
+        if asked is not None and name_satisfies(asked.name, box.graph.name):
+            return box.caption or short_description(box.graph)
+        return box.graph.name
 
     def _boxes(self, camera: str, boxes: list[list[float]], labels: list[str], colors: Any) -> None:
         self._stream.log(

@@ -21,6 +21,7 @@ from doro_viewer.rerun_views import MAP, Bounds
 from doro_viewer.words import noun_phrase
 
 MARGIN_M = 0.7
+SEE_THROUGH_M = 1.3
 FLOOR_HEIGHT_M = -0.02
 FLOOR = (228, 228, 228)
 INK = (40, 40, 40)
@@ -149,10 +150,11 @@ class RerunMap:
         return list(bev_axes(self._world))
 
     def _points(self, centers: NDArray[Any], color: tuple[int, int, int]) -> rr.Points3D:
-        # Discs that overlap a little: without gaps the cells read as areas.
-        radius_m = self._grid.cell_m * 0.6
+        # Discs that overlap a little read as areas; what hangs high is dotted, to see below it.
+        high = centers[:, 2] > SEE_THROUGH_M
+        radii = np.where(high, 0.15, 0.6).astype(np.float32) * np.float32(self._grid.cell_m)
         flat = rr.components.PointShading.Flat
-        return rr.Points3D(centers, radii=[radius_m], colors=[color], point_shading=flat)
+        return rr.Points3D(centers, radii=radii, colors=[color], point_shading=flat)
 
     def _draw_classes(self, names: list[str]) -> bool:
         grew = False

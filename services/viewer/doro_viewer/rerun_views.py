@@ -13,8 +13,9 @@ MAP = "map"
 TALK = "talk"
 SUMMARY = "summary"
 TIMELINE = "frame"
-_EYE_HEIGHT_PER_EXTENT = 1.05
-"""Rerun's eye has a vertical field of view of about 55 degrees; this leaves a small margin."""
+_EYE_HEIGHT_PER_EXTENT = 1.0
+_EYE_ABOVE_THINGS_M = 1.5
+"""Rerun's eye has a vertical field of view of about 55 degrees; tall things come nearer."""
 
 
 class Bounds(msgspec.Struct, frozen=True):
@@ -53,7 +54,7 @@ def eye_above(bounds: Bounds) -> rrb.EyeControls3D:
     extent_m = max(bounds.high_m[0] - bounds.low_m[0], bounds.high_m[1] - bounds.low_m[1])
     return rrb.EyeControls3D(
         kind=rrb.Eye3DKind.Orbital,
-        position=(a_m, b_m - 1e-3, extent_m * _EYE_HEIGHT_PER_EXTENT),
+        position=(a_m, b_m - 1e-3, extent_m * _EYE_HEIGHT_PER_EXTENT + _EYE_ABOVE_THINGS_M),
         look_target=(a_m, b_m, 0.0),
         eye_up=(0.0, 1.0, 0.0),
     )
