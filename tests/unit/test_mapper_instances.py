@@ -9,7 +9,7 @@ from mapper_scene import Frame, Thing, messages, room, shoot, table, walk
 from doro_mapper.core import Mapper
 from doro_mapper.finder import Found, Sighting
 from doro_mapper.projection import Measurement
-from doro_mapper.relations import captioned_relations, spatial_relations
+from doro_mapper.relations import captioned_relations, relations_of, spatial_relations
 from doro_mapper.settings import MapperSettings
 from doro_mapper.track import voted_name
 from doro_schemas.graph import ObjectGraph, Relation
@@ -148,6 +148,26 @@ def test_captioned_relations_need_a_good_share_of_the_views() -> None:
     assert voted(near, plain, plain) == []
     assert voted(near, near, plain, plain, plain) == [Relation("is-near", window)]
     assert voted(*[near] * 2, *[plain] * 8) == []
+
+
+def test_captions_win_over_boxes_about_holders_and_the_same_landmark() -> None:
+    def relations(*stated: Relation) -> list[Relation]:
+        cup = found("cup", (0, 0, 0.8), (0.1, 0.1, 0.1))
+        cup.sightings = [sighting(i, ObjectGraph("cup", {}, list(stated))) for i in range(3)]
+        cup.weights = [1.0] * 3
+        desk = found("desk", (0, 0, 0.375), (1.0, 1.0, 0.75))
+        lamp = found("lamp", (0.3, 0, 0.95), (0.2, 0.2, 0.4))
+        graphs = [ObjectGraph("cup"), ObjectGraph("desk", BLUE), ObjectGraph("lamp")]
+        return relations_of([cup, desk, lamp], graphs, MapperSettings())[0]
+
+    desk, lamp = ObjectGraph("desk", BLUE), ObjectGraph("lamp")
+    measured = [Relation("is-on", desk), Relation("is-near", lamp)]
+    assert relations() == measured
+    assert relations(Relation("is-on", ObjectGraph("desk"))) == measured
+    tray = Relation("is-on", ObjectGraph("tray"))
+    assert relations(tray) == [tray, measured[1]]
+    beside = Relation("is-near", ObjectGraph("desk"))
+    assert relations(beside) == [beside, measured[1]]
 
 
 def test_a_kind_seen_often_enough_names_the_thing() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 
 from doro_mapper.finder import Found, names_agree
@@ -11,6 +13,7 @@ from doro_schemas.graph import ObjectGraph, Relation, identity
 from doro_schemas.spatial import NEAR_M, Box3, gap_m, relation_between
 
 ORDER = ("is-on", "is-at", "is-near")
+HOLDS = ("is-on", "is-at")
 Option = tuple[bool, float, float, int]
 """Sorts landmarks: lesser, gap, distance of centres (metres); and the landmark's index."""
 
@@ -26,14 +29,17 @@ def box_of(found: Found) -> Box3:
 
 
 def spatial_relations(
-    instances: list[Found], graphs: list[ObjectGraph], max_near: int
+    instances: list[Found],
+    graphs: list[ObjectGraph],
+    max_near: int,
+    no_landmarks: Collection[str] = (),
 ) -> list[list[Relation]]:
     """Return by instance what holds between it and the others.
 
-    The closest thing it is on, the closest it is at, and up to ``max_near`` different ones near
-    it: first larger things of other classes, then the rest, each nearest first. A thing of its
-    own class is a landmark for is-near only. Landmarks carry class and attributes, no relations
-    of their own.
+    The closest thing it is on, or else the closest it is at, and up to ``max_near`` different
+    ones near it: first larger things of other classes, then the rest, each nearest first. A
+    thing of its own class is a landmark for is-near only, one of ``no_landmarks`` never.
+    Landmarks carry class and attributes, no relations of their own.
     """
     boxes = [box_of(found) for found in instances]
     if not boxes:
@@ -47,7 +53,7 @@ def spatial_relations(
         for j in np.flatnonzero(apart[i] <= NEAR_M).tolist():
             kind = _relation(box, boxes[j]) if j != i else None
             same = graphs[i].name == graphs[j].name
-            if kind is None or (kind != "is-near" and same):
+            if kind is None or (kind != "is-near" and same) or graphs[j].name in no_landmarks:
                 continue
             gap = float(np.hypot(gap_m(box, boxes[j], 0), gap_m(box, boxes[j], 1)))
             if kind == "is-on":
@@ -84,18 +90,16 @@ def _landmark(box: Box3, other: Box3) -> bool:
 
 
 def _chosen(
-    options: dict[str, list[tuple[bool, float, float, int]]],
-    graphs: list[ObjectGraph],
-    max_near: int,
+    options: dict[str, list[Option]], graphs: list[ObjectGraph], max_near: int
 ) -> list[Relation]:
-    """Return the closest landmarks of each kind; equal landmarks once."""
-    out = []
+    """Return one holder (on before at) and the nearest landmarks; equal landmarks once."""
+    out: list[Relation] = []
     named: set[str] = set()
     for kind in ORDER:
-        left = max_near if kind == "is-near" else 1
+        left = max_near if kind == "is-near" else 1 - len(out)
         for *_, j in sorted(options[kind]):
             key = identity(graphs[j])
-            if left and key not in named:
+            if left > 0 and key not in named:
                 named.add(key)
                 left -= 1
                 out.append(Relation(kind, graphs[j]))
@@ -128,23 +132,37 @@ def captioned_relations(found: Found, share: float) -> list[Relation]:
 def relations_of(
     instances: list[Found], graphs: list[ObjectGraph], settings: MapperSettings
 ) -> list[list[Relation]]:
-    """Return by instance its relations: is-on, is-at, is-near; measured before captioned.
+    """Return by instance its relations, in the order is-on, is-at, is-near.
 
-    A captioned relation that a measured one of its type already states, for the same class of
-    landmark, is left out.
+    What captions state again and again wins over what was measured about the same class of
+    landmark, and about what carries or holds the thing: boxes of large furniture are coarse.
+    Where both agree, the landmark is the measured one, with its voted attributes.
     """
-    measured = spatial_relations(instances, graphs, settings.max_near)
+    measured = spatial_relations(instances, graphs, settings.max_near, settings.no_landmarks)
     out = []
     for found, own in zip(instances, measured, strict=True):
-        stated = [
+        stated = captioned_relations(found, settings.relation_share)
+        held = any(relation.type in HOLDS for relation in stated)
+        kept = [
             relation
-            for relation in captioned_relations(found, settings.relation_share)
-            if not any(
-                relation.type == r.type and names_agree(relation.target.name, r.target.name)
-                for r in own
-            )
+            for relation in own
+            if not (held and relation.type in HOLDS)
+            and not any(names_agree(relation.target.name, s.target.name) for s in stated)
         ]
-        everything = own + stated
+        chosen = [_measured_target(relation, own) for relation in stated]
+        near = sum(relation.type == "is-near" for relation in chosen)
+        for relation in kept:
+            near += relation.type == "is-near"
+            if relation.type != "is-near" or near <= settings.max_near:
+                chosen.append(relation)
         rank = {kind: i for i, kind in enumerate(ORDER)}
-        out.append(sorted(everything, key=lambda r: rank.get(r.type, len(ORDER))))
+        out.append(sorted(chosen, key=lambda r: rank.get(r.type, len(ORDER))))
     return out
+
+
+def _measured_target(stated: Relation, measured: list[Relation]) -> Relation:
+    """Return the measured relation that a caption states as well, or else the caption's."""
+    for relation in measured:
+        if relation.type == stated.type and names_agree(relation.target.name, stated.target.name):
+            return relation
+    return stated

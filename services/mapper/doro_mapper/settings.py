@@ -6,6 +6,22 @@ from typing import Literal
 
 import msgspec
 
+NO_LANDMARKS = (
+    "cabinet",
+    "drawer",
+    "stove burner",
+    "stove knob",
+    "faucet",
+    "window",
+    "curtain",
+    "blinds",
+    "mirror",
+    "painting",
+    "poster",
+    "light switch",
+    "towel",
+)
+
 
 class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
     """What may be tuned. Defaults are the study's (five bedrooms, then frozen).
@@ -30,6 +46,8 @@ class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
         max_evidence: views listed per instance.
         relation_share: share of its views in which a captioned relation must occur.
         max_near: is-near landmarks listed per instance.
+        no_landmarks: classes that no measured relation leads to: too many of a kind in a room,
+            too small or too flat to say where something is. Captions may still name them.
     """
 
     finder: Literal["tracks", "grid"] = "tracks"
@@ -50,6 +68,7 @@ class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
     max_evidence: int = 5
     relation_share: float = 0.3
     max_near: int = 3
+    no_landmarks: tuple[str, ...] = NO_LANDMARKS
 
     def __post_init__(self) -> None:
         lengths = (self.cell_m, self.band_m, self.sigma, self.coverage_cell_m, self.max_depth_m)
