@@ -5,8 +5,10 @@ from collections.abc import Sequence
 import pytest
 
 from doro_nlu.core import Nlu
+from doro_nlu.service import wire
 from doro_nlu.settings import NluSettings
 from doro_nlu.tagger import Tagged
+from doro_schemas.errors import Refused
 from doro_schemas.graph import ObjectGraph, Relation
 from doro_schemas.messages import (
     CaptionedBox,
@@ -132,3 +134,34 @@ def test_more_captions_than_the_cache_holds(tagger: ScriptedTagger) -> None:
     nlu = Nlu(NluSettings(cache_size=0), tagger)
     reply = graphs(nlu, captions(box("a cup"), box("a red cup"), box("a cup")))
     assert [item.graph.attributes for item in reply.detections] == [{}, {"color": "red"}, {}]
+
+
+class RecordingShell:
+    """Stands for the shell: notes what a service wires."""
+
+    def __init__(self) -> None:
+        self.handlers: dict[type, object] = {}
+        self.read_counters = dict
+
+    def on(self, kind: type, handler: object) -> None:
+        self.handlers[kind] = handler
+
+    def answer(self, kind: type, handler: object) -> None:
+        self.handlers[kind] = handler
+
+    def counters(self, read) -> None:
+        self.read_counters = read
+
+
+def test_wiring_loads_the_model_and_takes_three_kinds() -> None:
+    shell = RecordingShell()
+    wire(shell, NluSettings())
+    assert set(shell.handlers) == {Instruction, FrameCaptions, ParseRequest}
+    reply = shell.handlers[ParseRequest](ParseRequest(text="find the bed"))
+    assert reply.graph == ObjectGraph("bed")
+    assert shell.read_counters()["captions"] == 0
+
+
+def test_a_missing_model_is_refused(tmp_path) -> None:
+    with pytest.raises(Refused, match="cannot be read"):
+        wire(RecordingShell(), NluSettings(model_dir=str(tmp_path)))

@@ -131,7 +131,8 @@ WORDS: dict[str, tuple[str, ...]] = {
     ),
     "go": _lines(
         """take two steps forward then turn right|take a step to the left|
-        take three steps|go to the kitchen|go to the bedroom|walk to the table|go to the white table|
+        take three steps|go to the kitchen|go to the bedroom|walk to the table|
+        go to the white table|
         move to the counter|turn left and walk to the sink|go into the living room|
         turn around and go to the bed|head to the bathroom|walk over to the couch|
         go back to the desk|navigate to the office|turn right|go straight|walk forward|

@@ -1,4 +1,4 @@
-"""``python -m doro_nlu.train.speed``: time from text to graph, one sentence at a time, one thread."""
+"""``python -m doro_nlu.train.speed``: time from text to graph, a sentence at a time, one thread."""
 
 from __future__ import annotations
 
