@@ -8,6 +8,7 @@ off is readable up to its last whole chunk.
 from __future__ import annotations
 
 import json
+import struct
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -15,6 +16,7 @@ from types import TracebackType
 from typing import Any, Self
 
 import msgspec
+import zstandard
 from mcap.exceptions import McapError
 from mcap.reader import NonSeekingReader, SeekingReader
 from mcap.writer import CompressionType, Writer
@@ -29,6 +31,7 @@ PROFILE = "doro"
 FORMAT = "1"
 METADATA = "doro"
 CHUNK_BYTES = 1 << 20
+DAMAGE = (McapError, EOFError, ValueError, struct.error, zstandard.ZstdError)
 MAGIC = b"\x89MCAP0\r\n"
 
 
@@ -156,7 +159,7 @@ class Recording:
                         self.metadata = dict(item.metadata)
                 for number, count in summary.statistics.channel_message_counts.items():
                     self.counts[summary.channels[number].topic] += count
-            except (McapError, OSError, ValueError, KeyError):
+            except (*DAMAGE, OSError, KeyError):
                 return False
         return True
 
@@ -178,8 +181,10 @@ class Recording:
                         encoding=f"{channel.message_encoding};{name}".rstrip(";"),
                         stamp_ns=message.log_time,
                     )
-            except (McapError, EOFError, ValueError) as error:
-                if self.cut_off and not isinstance(error, Refused):
+            except Refused:
+                raise
+            except DAMAGE as error:
+                if self.cut_off:
                     return
                 raise Refused(f"recording {self.path.name} is damaged: {error}") from error
 

@@ -44,5 +44,7 @@ def _difference(payloads: dict[bytes, str]) -> str:
         name for name in names if len({repr(query[name]) for query in fields.values()}) > 1
     ]
     return "\n".join(
-        f"{where}: {name} = {query[name]!r}" for where, query in fields.items() for name in different
+        f"{where}: {name} = {query[name]!r}"
+        for where, query in fields.items()
+        for name in different
     )
