@@ -7,8 +7,9 @@ import zenoh
 
 config = zenoh.Config.from_json5(f'{{mode: "client", connect: {{endpoints: ["{sys.argv[1]}"]}}}}')
 with zenoh.open(config) as session:
+    samples = session.declare_subscriber("doro/sim/detections")
     token = session.liveliness().declare_token("doro/perception/alive")
-    for sample in session.declare_subscriber("doro/sim/detections"):
+    for sample in samples:
         frame = msgpack.unpackb(sample.payload.to_bytes())
         for seen in frame["detections"]:
             color = seen["attributes"].get("color", "")

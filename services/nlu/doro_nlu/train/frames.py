@@ -102,6 +102,14 @@ let 's <verb> <ref><end>
 {A out of} <rel:A> , <verb> <obj><end>
 <verb> <obj> and <obj2> <rel><end>
 the <onlyobj> <rel>
+<put> <obj> <dest>
+<pol> <put> <obj> <dest>
+<put> the <onlyobj> <dest><end>
+<go> and <put> <obj> <dest>
+<voc> <put> <obj> <todest>
+<pol> bring <obj> <todest><end>
+<put> <obj> <dest> and <tail>
+<put> <obj> <dest><end>
 """.strip().splitlines())  # fmt: skip
 
 CAPTIONS = tuple("""
