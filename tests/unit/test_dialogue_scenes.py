@@ -181,7 +181,7 @@ SCENES = [
      "several_match", [1, 2], f"I found one red cup, and one blue cup; {WHICH}"),
     ("by place, where the color is shared", "red cup",
      ["red cup on[table]", "red cup near[sink]"], AMBIGUITY, "several_match", [1, 2],
-     f"I found one cup on top of the table, and one cup near the sink; {WHICH}"),
+     f"I found one red cup on top of the table, and one red cup near the sink; {WHICH}"),
     ("by material", "cup", ["red plastic cup", "red glass cup"], AMBIGUITY, "several_match",
      [1, 2], f"I found one plastic cup, and one glass cup; {WHICH}"),
     ("by kind", "lamp", ["desk_lamp", "floor_lamp"], AMBIGUITY, "several_match", [1, 2],
@@ -202,7 +202,7 @@ SCENES = [
     ("only the matches are asked about", "red cup",
      ["red cup on[table]", "blue cup on[desk]", "red cup on[shelf]"], AMBIGUITY,
      "several_match", [1, 3],
-     f"I found one cup on top of the table, and one cup on top of the shelf; {WHICH}"),
+     f"I found one red cup on top of the table, and one red cup on top of the shelf; {WHICH}"),
     ("a shade beside its color", "blue cup", ["blue cup", "dark_blue cup"], AMBIGUITY,
      "several_match", [1, 2], f"I found one blue cup, and one dark blue cup; {WHICH}"),
     ("one known better than the other", "cup", ["cup", "red cup"], AMBIGUITY, "several_match",
@@ -229,7 +229,7 @@ SCENES = [
      [1, 2], "I found two identical gray cups; is either of them fine?"),
     ("twins by look, told apart by place", "red cup", ["red cup on[table]", "red cup on[desk]"],
      AMBIGUITY, "several_match", [1, 2],
-     f"I found one cup on top of the table, and one cup on top of the desk; {WHICH}"),
+     f"I found one red cup on top of the table, and one red cup on top of the desk; {WHICH}"),
     ("twins and another", "cup", ["red cup on[table]", "red cup on[table]", "blue cup"],
      AMBIGUITY, "several_match", [1, 2, 3],
      f"I found two identical red cups, and one blue cup; {WHICH}"),
@@ -301,8 +301,8 @@ def test_missing_says_how_much_was_not_seen(share, tail):
         (["red cup"], "find", "Okay, it is the red cup."),
         (["red cup"], "pick up", "Okay, I will take the red cup."),
         (["blue cup"], "find", "I found one cup, but it is blue. Is that what you mean?"),
-        (["red cup on[table]", "red cup on[desk]"], "go to", "I found one cup on top of the"
-         f" table, and one cup on top of the desk; {WHICH}"),
+        (["red cup on[table]", "red cup on[desk]"], "go to", "I found one red cup on top"
+         f" of the table, and one red cup on top of the desk; {WHICH}"),
     ],
 )  # fmt: skip
 def test_a_task_that_carries_nothing_is_not_answered_with_taking(seen, task, text):

@@ -153,9 +153,13 @@ def _mismatch(decision: Decision, carries: bool) -> Question:
 
 
 def _ambiguity(decision: Decision, carries: bool) -> Question:
-    """Name each candidate by what sets it apart, and ask which."""
+    """Name each candidate by what sets it apart, and ask which.
+
+    The own words of the person come along where they hold ("one red cup on top of the
+    table" for "the red cup"): without them it is not said that these are red.
+    """
     groups = discriminate([one.candidate for one in decision.offered])
-    parts = [_part(group, alone=len(groups) == 1) for group in groups]
+    parts = [_part(group, _echo(decision, group), alone=len(groups) == 1) for group in groups]
     clauses = ", and ".join(_series([part.text for part in parts]))
     note = ""
     if decision.reason == "no_match":
@@ -179,9 +183,20 @@ def _series(parts: list[str]) -> list[str]:
     return [", ".join(parts[:-1]), parts[-1]] if len(parts) > 1 else parts
 
 
-def _part(group: Group, alone: bool) -> Part:
+def _echo(decision: Decision, group: Group) -> list[Fact]:
+    """Return the self attributes that were said and hold of every member of a group."""
+    members = [one for one in decision.offered if one.candidate.id in group.ids]
+    held = [[fact for fact in _seen(one.match, "holds")] for one in members]
+    return [
+        fact
+        for fact in held[0]
+        if not isinstance(fact, Relation) and all(fact in other for other in held)
+    ]
+
+
+def _part(group: Group, echo: list[Fact], alone: bool) -> Part:
     """Return the clause of a group; a sole group of twins is described by all own facts."""
-    graph = group.graph
+    graph = graph_with(group.seen.name, _unique([*echo, *facts_of(group.graph)]))
     if alone:
         place = place_of(group.seen)
         own = [fact for fact in facts_of(group.seen) if not isinstance(fact, Relation)]
