@@ -16,13 +16,16 @@ from doro_console.processes import SERVICES, Processes, free_port
 from doro_console.report import describe_graph, describe_query
 from doro_schemas.bus import Bus
 from doro_schemas.errors import Refused
-from doro_schemas.messages import Query
+from doro_schemas.messages import Health, Query
+from doro_schemas.messages.base import Message
+from doro_schemas.topics import TOPICS
 from doro_sim_feeder.play import Player, PlayReport, PlaySettings
 from doro_sim_feeder.presence import Presence
 from doro_sim_feeder.recording import Recording
 
 READY_TIMEOUT_S = 60.0
 QUERY_TIMEOUT_S = 30.0
+PICTURE_TIMEOUT_S = 15.0
 SAMPLE = "sample-kitchen.mcap"
 
 
@@ -59,7 +62,8 @@ def run_demo(common: Common, settings: DemoSettings) -> list[Query]:
                 queries = _converse(common, settings, endpoint, recording)
             except Refused as refused:
                 raise Refused(f"{refused.reason}\n{processes.logs()}".strip()) from refused
-    talk.print(f"\nmap:    {settings.out / 'map.png'}")
+    more = f" to map-{len(queries)}.png" if len(queries) > 1 else ""
+    talk.print(f"\nmap:    {settings.out / 'map.png'}{more}")
     talk.print(f"replay: {settings.out / 'demo.rrd'} (open it with: rerun {settings.out}/demo.rrd)")
     return queries
 
@@ -105,7 +109,22 @@ def _converse(
             for line in [] if settings.as_json else describe_query(query):
                 talk.print(line, markup=False)
             queries.append(query)
+        _wait_for_pictures(bus, len(queries))
     return queries
+
+
+def _wait_for_pictures(bus: Bus, count: int) -> None:
+    """Wait until the viewer has drawn a picture for each query; it says so in its health."""
+    drawn = 0
+
+    def heard(message: Message) -> None:
+        nonlocal drawn
+        if isinstance(message, Health) and message.service == "viewer":
+            drawn = message.counters.get("pictures", 0)
+
+    bus.subscribe(TOPICS["health"], heard)
+    if not bus.run_until(time.monotonic() + PICTURE_TIMEOUT_S, lambda: drawn >= count):
+        talk.print(f"doro: only {drawn} of {count} pictures were drawn in time", style="yellow")
 
 
 def _tell(conversation: Conversation, text: str) -> None:

@@ -27,7 +27,7 @@ class Shown:
     def show(self, message: Message) -> None:
         self.messages.append(message)
 
-    def keep(self, picture: np.ndarray) -> None:
+    def keep(self, picture: np.ndarray, dialogue: str) -> None:
         self.pictures.append(picture)
 
 

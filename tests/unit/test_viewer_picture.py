@@ -136,7 +136,9 @@ def test_colours_are_named_ones_where_there_is_a_name() -> None:
 
 def test_the_album_writes_a_whole_file(tmp_path: Path) -> None:
     path = tmp_path / "map.png"
-    PngAlbum(str(path)).keep(picture())
+    album = PngAlbum(str(path))
+    for dialogue in ("1", "2", "../3"):
+        album.keep(picture(), dialogue)
     image = cv2.imread(str(path))
     assert np.array_equal(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), picture())
-    assert [file.name for file in tmp_path.iterdir()] == ["map.png"]
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["map-2.png", "map.png"]

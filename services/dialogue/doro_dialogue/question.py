@@ -186,7 +186,7 @@ def _series(parts: list[str]) -> list[str]:
 def _echo(decision: Decision, group: Group) -> list[Fact]:
     """Return the self attributes that were said and hold of every member of a group."""
     members = [one for one in decision.offered if one.candidate.id in group.ids]
-    held = [[fact for fact in _seen(one.match, "holds")] for one in members]
+    held = [_seen(one.match, "holds") for one in members]
     return [
         fact
         for fact in held[0]

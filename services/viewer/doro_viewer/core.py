@@ -34,8 +34,8 @@ class Screen(Protocol):
 class Album(Protocol):
     """Keeps pictures."""
 
-    def keep(self, picture: NDArray[np.uint8]) -> None:
-        """Keep an RGB picture, uint8 (height, width, 3)."""
+    def keep(self, picture: NDArray[np.uint8], dialogue: str) -> None:
+        """Keep an RGB picture, uint8 (height, width, 3), of a dialogue of the episode ("1")."""
 
 
 class Viewer:
@@ -119,7 +119,7 @@ class Viewer:
             world=self._world,
             width_px=self._settings.png_width_px,
         )
-        self._album.keep(picture)
+        self._album.keep(picture, self._query.dialogue_id.rpartition("/")[2])
         self._counters["pictures"] += 1
         self._query = None
         return []

@@ -74,15 +74,16 @@ class RerunScreen:
 class NoAlbum:
     """Keeps no picture."""
 
-    def keep(self, picture: NDArray[np.uint8]) -> None:
+    def keep(self, picture: NDArray[np.uint8], dialogue: str) -> None:
         """Do nothing."""
 
 
 class PngAlbum:
-    """Keeps the latest picture as a PNG file; a reader never sees half of one.
+    """Keeps the pictures as PNG files; a reader never sees half of one.
 
     Args:
-        path: the file; its directory must be there.
+        path: the file of an episode's first dialogue; its directory must be there. Dialogue
+            ``n`` goes beside it: ``map.png``, ``map-2.png``, ``map-3.png``.
 
     Raises:
         Refused: the directory is missing or not writable.
@@ -91,11 +92,13 @@ class PngAlbum:
     def __init__(self, path: str) -> None:
         self._path = writable(path, "viewer.png")
 
-    def keep(self, picture: NDArray[np.uint8]) -> None:
-        """Write an RGB picture, uint8 (height, width, 3), in place of the one before."""
-        unfinished = self._path.with_name(f".{self._path.name}.part")
+    def keep(self, picture: NDArray[np.uint8], dialogue: str) -> None:
+        """Write an RGB picture, uint8 (height, width, 3), in place of the dialogue's last."""
+        suffix = f"-{dialogue}" if dialogue.isdecimal() and dialogue != "1" else ""
+        path = self._path.with_name(f"{self._path.stem}{suffix}{self._path.suffix}")
+        unfinished = path.with_name(f".{path.name}.part")
         unfinished.write_bytes(png_bytes(picture))
-        unfinished.replace(self._path)
+        unfinished.replace(path)
 
 
 def png_bytes(picture: NDArray[np.uint8]) -> bytes:

@@ -13,7 +13,8 @@ class ViewerSettings(msgspec.Struct, frozen=True, kw_only=True):
     Attributes:
         rrd: Rerun recording to write; empty for none. An older file
             of that name is kept as ``<name>.previous.rrd``.
-        png: picture of the final map to write; empty for none. Every new query replaces it.
+        png: picture of the map to write at a query; empty for none. Of the further dialogues
+            of an episode the second goes beside it as ``map-2.png``, and so on.
         serve: serve the web viewer for live watching, on the loopback interface only.
         spawn: open Rerun's window for live watching instead (needs a screen).
         grpc_port: loopback port on which the live viewer takes the data.
