@@ -110,6 +110,9 @@ the <onlyobj> <rel>
 <pol> bring <obj> <todest><end>
 <put> <obj> <dest> and <tail>
 <put> <obj> <dest><end>
+bring <obj> <rel>
+<pol> <bring> <obj> <rel><end>
+take <obj> <rel><end>
 """.strip().splitlines())  # fmt: skip
 
 CAPTIONS = tuple("""
