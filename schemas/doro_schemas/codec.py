@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 import re
 import struct
+from functools import lru_cache
 from typing import Any
 
 import msgpack
@@ -36,16 +37,19 @@ _DTYPE_NAMES = {np.dtype(kind): name for name, kind in DTYPES.items()}
 _SCHEMA = re.compile(r"doro\.(\w+)\.v(\d+)")
 
 
+@lru_cache(maxsize=256)
 def schema_name(kind: type[Message]) -> str:
     """Return the schema's name, for example ``doro.Query.v1``."""
     return f"doro.{kind.__name__}.v{kind.VERSION}"
 
 
+@lru_cache(maxsize=256)
 def encoding_of(kind: type[Message]) -> str:
     """Return the Zenoh encoding of a message type."""
     return f"{SEGMENTED if kind.SEGMENTS else PLAIN};{schema_name(kind)}"
 
 
+@lru_cache(maxsize=256)
 def type_of(encoding: str) -> type[Message]:
     """Return the message type that an encoding names.
 
@@ -75,13 +79,13 @@ def type_of(encoding: str) -> type[Message]:
 def encode(message: Message) -> bytes:
     """Return the payload of a message."""
     kind = type(message)
+    if not kind.SEGMENTS:
+        return bytes(msgpack.packb(msgspec.to_builtins(message)))
     fields = {
         name: msgspec.to_builtins(getattr(message, name))
         for name in kind.__struct_fields__
         if name not in kind.SEGMENTS
     }
-    if not kind.SEGMENTS:
-        return bytes(msgpack.packb(fields))
     table, parts = [], []
     for name in kind.SEGMENTS:
         array = np.ascontiguousarray(getattr(message, name))

@@ -18,3 +18,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         run_router(load_settings("bus", BusSettings, path, overrides))
     except Refused as refused:
         sys.exit(f"doro-router: {refused.reason}")
+
+
+if __name__ == "__main__":
+    main()

@@ -89,6 +89,8 @@ class Topic(msgspec.Struct, frozen=True):
 
     def key_for(self, *, camera: str = "", service: str = "") -> str:
         """Return the concrete key."""
+        if "{" not in self.key:
+            return self.key
         return self.key.replace("{camera}", camera).replace("{service}", service)
 
 

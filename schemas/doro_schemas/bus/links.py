@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any
 
 import zenoh
@@ -17,6 +18,12 @@ _CONGESTION = {
     "drop": zenoh.CongestionControl.DROP,
 }
 Publisher = zenoh.Publisher | zenoh.ext.AdvancedPublisher
+
+
+@lru_cache(maxsize=256)
+def zenoh_encoding(text: str) -> zenoh.Encoding:
+    """Return Zenoh's form of an encoding's text."""
+    return zenoh.Encoding(text)
 
 
 def declare_publisher(session: zenoh.Session, topic: Topic, key: str, *, block: bool) -> Publisher:

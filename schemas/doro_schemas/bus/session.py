@@ -17,7 +17,7 @@ import zenoh
 from doro_schemas import codec
 from doro_schemas.bus.config import BusSettings
 from doro_schemas.bus.inbox import Inbox, Lane
-from doro_schemas.bus.links import Publisher, declare_publisher, declare_subscriber
+from doro_schemas.bus.links import Publisher, declare_publisher, declare_subscriber, zenoh_encoding
 from doro_schemas.bus.router import open_session
 from doro_schemas.bus.samples import RawSample, Request, decode_request, decode_sample
 from doro_schemas.errors import Refused
@@ -111,7 +111,9 @@ class Bus:
         self, topic: Topic, key: str, payload: bytes, encoding: str, *, lossless: bool = True
     ) -> None:
         """Send bytes that are already encoded, as a recording holds them."""
-        self.publisher(topic, key, lossless=lossless).put(payload, encoding=encoding)
+        self.publisher(topic, key, lossless=lossless).put(
+            payload, encoding=zenoh_encoding(encoding)
+        )
         self.counters[f"published.{topic.name}"] += 1
 
     def publisher(self, topic: Topic, key: str, *, lossless: bool = False) -> Publisher:
