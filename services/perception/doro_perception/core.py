@@ -8,6 +8,7 @@ from doro_perception.colour import colour_of_box
 from doro_perception.image import decode
 from doro_perception.oracle import Oracle
 from doro_perception.settings import PerceptionSettings
+from doro_schemas.detector_errors import FalsePositivePool, disturb
 from doro_schemas.effects import Output
 from doro_schemas.errors import Refused
 from doro_schemas.graph import ObjectGraph
@@ -26,27 +27,34 @@ class Perception:
     Args:
         settings: the table ``[perception]``.
         backend: the detector that looks at images; not needed by the oracle.
+        pool: what the oracle's false positives are drawn from.
     """
 
     def __init__(
-        self, settings: PerceptionSettings, backend: DetectionBackend | None = None
+        self,
+        settings: PerceptionSettings,
+        backend: DetectionBackend | None = None,
+        pool: FalsePositivePool | None = None,
     ) -> None:
         self._settings = settings
+        self._errors = settings.error_models()
+        self._pool = pool
         self._backend = backend
         self._oracle = Oracle(settings)
         self.counters: dict[str, int] = {"frames": 0, "detections": 0, "left_out": 0}
 
     def sim_detections(self, frame: SimDetections) -> list[Output]:
-        """Caption what the simulator knows.
+        """Caption what the simulator knows, after the error models have been at it.
 
         Raises:
-            Refused: a class or value that cannot be said.
+            Refused: a class or value that cannot be said; false positives from no other room.
         """
         try:
-            boxes = self._oracle.describe(frame)
+            seen = disturb(frame, self._errors, self._pool) if self._errors.errors else frame
+            boxes = self._oracle.describe(seen)
         except Refused as error:
             raise Refused(error.reason, episode=frame.episode, frame=frame.frame) from error
-        return [self._captions(frame, boxes, len(frame.detections))]
+        return [self._captions(seen, boxes, len(seen.detections))]
 
     def color_frame(self, frame: ColorFrame) -> list[Output]:
         """Detect and caption what a colour image shows.

@@ -1,7 +1,7 @@
 """The oracle: what the simulator knows of a frame, said as a perfect captioner would.
 
-Paper, Section V: ground-truth detections are captioned and then disturbed by the error
-models; here they are only captioned.
+Paper, Section V: ground-truth detections are disturbed by the error models (in
+:mod:`doro_schemas.detector_errors`, before they come here) and captioned.
 """
 
 from __future__ import annotations

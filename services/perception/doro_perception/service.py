@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from doro_perception.core import Perception
 from doro_perception.onnx_ssd import OnnxSsd
 from doro_perception.settings import PerceptionSettings
+from doro_schemas.detector_errors import read_pool
 from doro_schemas.messages import ColorFrame, SimDetections
 from doro_schemas.runner import Shell, run_service
 
@@ -12,7 +15,8 @@ from doro_schemas.runner import Shell, run_service
 def wire(shell: Shell, settings: PerceptionSettings) -> None:
     """Connect the core to its topics; a detector is loaded and warmed up before this returns."""
     if settings.backend == "oracle":
-        core = Perception(settings)
+        pool = read_pool(Path(settings.fp_pool)) if settings.fp_pool else None
+        core = Perception(settings, pool=pool)
         shell.on(SimDetections, core.sim_detections)
     else:
         detector = OnnxSsd(settings)

@@ -6,6 +6,8 @@ from typing import Literal
 
 import msgspec
 
+from doro_schemas.detector_errors import ErrorModels, parse_errors
+
 STRUCTURE = (
     "Ceiling",
     "Door",
@@ -57,6 +59,10 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
         min_side_px, min_area_px: smaller boxes are left out (after clipping to the image).
         leave_out: AI2-THOR objectTypes that the oracle never reports; they stay landmarks.
         relation_joiner: word between two relations of an oracle's caption ("and"), or empty.
+        errors: error models of the oracle, any of ``cs,sd,fn,fp`` (paper, Section V-B); empty:
+            a perfect detector. See :mod:`doro_schemas.detector_errors`.
+        error_seed: of what the error models draw.
+        fp_pool: JSON file with detections of other rooms, needed by ``fp``.
         model: path of another model file with the same inputs and outputs; empty: the one
             that comes with the package. Its classes stand in ``coco_classes.txt`` beside it.
         threads: of onnxruntime.
@@ -81,6 +87,9 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     min_area_px: float = 50.0
     leave_out: tuple[str, ...] = STRUCTURE
     relation_joiner: Literal["", "and"] = "and"
+    errors: str = ""
+    error_seed: int = 0
+    fp_pool: str = ""
     model: str = ""
     threads: int = 1
     score_threshold: float = 0.4
@@ -104,3 +113,9 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
         counts = (self.min_side_px, self.min_area_px, self.top_classes, self.second_looks)
         if min(counts) < 0:
             raise ValueError("sizes, top_classes and second_looks must not be negative")
+        if "fp" in parse_errors(self.errors) and not self.fp_pool:
+            raise ValueError("errors has fp, so fp_pool must name a file with other rooms' boxes")
+
+    def error_models(self) -> ErrorModels:
+        """Return the error models that the oracle's detections are given."""
+        return ErrorModels(errors=parse_errors(self.errors), seed=self.error_seed)
