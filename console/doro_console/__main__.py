@@ -10,8 +10,9 @@ import click
 import msgspec
 from rich.console import Console
 
-from doro_console.media import import_folder, play, record, rooms
+from doro_console.media import import_folder, play, record
 from doro_console.options import Common, common_options, says_refusals, talk
+from doro_console.rooms import rooms
 
 SENTENCES = (
     "bring me the red cup",

@@ -1,4 +1,4 @@
-"""Commands around recordings: play, record, import, rooms."""
+"""Commands around recordings: play, record, import."""
 
 from __future__ import annotations
 
@@ -115,8 +115,3 @@ def import_folder(folder: Path, out: Path, walks: tuple[str, ...], episode: str)
     metadata = {"source": "folder", "room": folder.name, "walks": ", ".join(walks)}
     count = write_recording(out, source.messages(list(walks), episode), metadata)
     talk.print(f"{count} messages of {folder.name} in {out}")
-
-
-@click.group()
-def rooms() -> None:
-    """Render iTHOR rooms without Unity (needs the extra doro-sim-feeder[render])."""

@@ -76,8 +76,9 @@ def run(args: argparse.Namespace) -> None:
         args.truth.write_bytes(msgspec.json.format(text, indent=1) + b"\n")
 
 
-def main() -> int:
-    args = _parser().parse_args()
+def main(arguments: list[str] | None = None) -> int:
+    """Run a command line; ``arguments`` default to the process's own."""
+    args = _parser().parse_args(arguments)
     try:
         run(args)
     except Refused as refused:
