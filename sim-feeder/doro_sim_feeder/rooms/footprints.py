@@ -17,6 +17,7 @@ CARVE_M = 0.05
 COUNTER_DEPTH_M = 0.72
 NARROW_M = 0.95
 WALL_REACH_M = 0.35
+HULL_M = 0.5
 ON_WALLS = frozenset(
     {"Window", "Curtains", "Blinds", "Mirror", "Painting", "Poster", "LightSwitch", "Towel"}
 )
@@ -43,16 +44,40 @@ def rect_of(item: LayoutObject) -> Rect:
     return Rect(item.low_m[0], item.high_m[0], item.low_m[2], item.high_m[2])
 
 
+def content_rects(layout: RoomLayout) -> list[Rect]:
+    """Return the footprints of all that stands or hangs in the room, the floor left out."""
+    return [rect_of(item) for item in layout.objects if item.object_type != "Floor"]
+
+
 def room_rect(layout: RoomLayout) -> Rect:
-    """Return the room's rectangle: the floor, and what stands on it beyond the floor's box."""
-    inside = [item for item in layout.objects if item.object_type not in ON_WALLS]
-    rects = [rect_of(item) for item in inside]
+    """Return the room's rectangle: what encloses all that stands or hangs in it.
+
+    The floor's own box does not count: in iTHOR it reaches metres beyond the walls.
+    """
+    rects = content_rects(layout)
     return Rect(
         min(rect.x_low for rect in rects),
         max(rect.x_high for rect in rects),
         min(rect.z_low for rect in rects),
         max(rect.z_high for rect in rects),
     )
+
+
+def enclosed(cells: NDArray[np.float64], rects: list[Rect]) -> NDArray[np.bool_]:
+    """Tell which ground points (n, 2) are within ``HULL_M`` of the rectilinear hull.
+
+    A point lies outside of the hull if one of the four quadrants at it is empty. Rooms are no
+    rectangles; a corner in which nothing stands or hangs is taken to lie behind a wall.
+    """
+    low = np.array([(rect.x_low, rect.z_low) for rect in rects]) - HULL_M
+    high = np.array([(rect.x_high, rect.z_high) for rect in rects]) + HULL_M
+    below = [low[:, axis] <= cells[:, axis, None] for axis in (0, 1)]
+    above = [high[:, axis] >= cells[:, axis, None] for axis in (0, 1)]
+    inside = np.ones(len(cells), bool)
+    for side_x in (below[0], above[0]):
+        for side_z in (below[1], above[1]):
+            inside &= (side_x & side_z).any(axis=1)
+    return inside
 
 
 def counter_rects(layout: RoomLayout, counter: LayoutObject, room: Rect) -> list[Rect]:
@@ -127,11 +152,17 @@ def _rectangles(mask: NDArray[np.bool_]) -> list[tuple[int, int, int, int]]:
     return found
 
 
-def reachable_cells(room: Rect, obstacles: list[Rect]) -> NDArray[np.float64]:
+def reachable_cells(
+    room: Rect, obstacles: list[Rect], contents: list[Rect] | None = None
+) -> NDArray[np.float64]:
     """Return the cells where the agent can stand, float64 (n, 2) of x and z, sorted.
 
     The 0.25 m grid of the room, less what lies within the agent's radius of a wall or an
     obstacle; of the rest the largest connected component (4 neighbours).
+
+    Args:
+        contents: footprints of all that is in the room; cells outside of their hull
+            (:func:`enclosed`) are left out. None: the whole rectangle counts.
     """
     x = np.arange(np.ceil(room.x_low / CELL_M), np.floor(room.x_high / CELL_M) + 1) * CELL_M
     z = np.arange(np.ceil(room.z_low / CELL_M), np.floor(room.z_high / CELL_M) + 1) * CELL_M
@@ -144,6 +175,8 @@ def reachable_cells(room: Rect, obstacles: list[Rect]) -> NDArray[np.float64]:
     )
     for obstacle in obstacles:
         free &= obstacle.distance_m(cells) >= AGENT_RADIUS_M
+    if contents:
+        free &= enclosed(cells, contents)
     component = _largest_component(free.reshape(len(x), len(z)))
     return cells[component.ravel()]
 

@@ -15,6 +15,7 @@ from doro_sim_feeder.rooms.footprints import (
     ON_WALLS,
     STEP_OVER_M,
     Rect,
+    content_rects,
     reachable_cells,
     rect_of,
 )
@@ -61,12 +62,14 @@ class Scene:
 
     Attributes:
         cells: float64 (n, 2), x and z of the cells where the agent can stand.
+        contents: footprints of the layout's objects, whose hull the cells lie in.
     """
 
     name: str
     room: Rect
     instances: tuple[Instance, ...]
     cells: NDArray[np.float64]
+    contents: tuple[Rect, ...] = ()
 
     def caster(self) -> RayCaster:
         """Return the Embree scene of all instances."""
@@ -79,7 +82,7 @@ class Scene:
     def with_instances(self, added: list[Instance]) -> Scene:
         """Return the scene with more things, and without the cells that they block."""
         instances = (*self.instances, *added)
-        return replace(self, instances=instances, cells=_cells(self.room, instances))
+        return replace(self, instances=instances, cells=_cells(self.room, instances, self.contents))
 
 
 def build_scene(name: str) -> Scene:
@@ -95,7 +98,9 @@ def build_scene(name: str) -> Scene:
         if item.object_type not in SKIPPED and not _on_missing_wall(item, fitting.room):
             instances.append(_furnished(_standing(item), layout, fitting))
     settled = _settle(instances)
-    return Scene(name, fitting.room, tuple(settled), _cells(fitting.room, tuple(settled)))
+    contents = tuple(content_rects(layout))
+    cells = _cells(fitting.room, tuple(settled), contents)
+    return Scene(name, fitting.room, tuple(settled), cells, contents)
 
 
 def _fitted(layout: RoomLayout, fitting: Fitting) -> list[Instance]:
@@ -137,7 +142,9 @@ def _ground(part: Part) -> tuple[float, float, float, float]:
     return float(low[0]), float(high[0]), float(low[2]), float(high[2])
 
 
-def _cells(room: Rect, instances: tuple[Instance, ...]) -> NDArray[np.float64]:
+def _cells(
+    room: Rect, instances: tuple[Instance, ...], contents: tuple[Rect, ...]
+) -> NDArray[np.float64]:
     obstacles = []
     for instance in instances:
         if instance.pickupable or instance.object_type in ("Floor", "Wall", "Ceiling"):
@@ -145,7 +152,7 @@ def _cells(room: Rect, instances: tuple[Instance, ...]) -> NDArray[np.float64]:
         for rect, low, high in _pieces(instance):
             if low < AGENT_HEIGHT_M and high > STEP_OVER_M:
                 obstacles.append(rect)
-    return reachable_cells(room, obstacles)
+    return reachable_cells(room, obstacles, list(contents))
 
 
 def _pieces(instance: Instance) -> list[tuple[Rect, float, float]]:
