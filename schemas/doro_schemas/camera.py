@@ -21,6 +21,10 @@ HANDEDNESS: dict[str, float] = {"unity": -1.0, "ros": 1.0}
 ORTHONORMAL_TOLERANCE = 1e-3
 
 
+def _dot(a: list[float], b: list[float]) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
 class Intrinsics(msgspec.Struct, frozen=True):
     """Pinhole intrinsics in pixels; pixel (u, v) has its centre at (u+0.5, v+0.5)."""
 
@@ -53,10 +57,25 @@ class Pose(msgspec.Struct, frozen=True):
             raise ValueError("a pose needs 3 position values and 9 rotation values")
         if not all(map(math.isfinite, [*self.position_m, *self.rotation])):
             raise ValueError("the pose has a value that is not finite (NaN or infinity)")
-        matrix = np.asarray(self.rotation).reshape(3, 3)
-        if np.abs(matrix @ matrix.T - np.eye(3)).max() > ORTHONORMAL_TOLERANCE:
+        # Plain floats: a pose is checked with every depth frame, and 9 numbers are too few
+        # to be worth numpy's overhead.
+        x, y, z = self.rotation[:3], self.rotation[3:6], self.rotation[6:]
+        products = (
+            _dot(x, x) - 1,
+            _dot(y, y) - 1,
+            _dot(z, z) - 1,
+            _dot(x, y),
+            _dot(y, z),
+            _dot(z, x),
+        )
+        if max(map(abs, products)) > ORTHONORMAL_TOLERANCE:
             raise ValueError("the pose is no rotation: its rows are not orthonormal")
-        if np.linalg.det(matrix) * HANDEDNESS[self.world] < 0:
+        cross = [
+            x[1] * y[2] - x[2] * y[1],
+            x[2] * y[0] - x[0] * y[2],
+            x[0] * y[1] - x[1] * y[0],
+        ]
+        if _dot(cross, z) * HANDEDNESS[self.world] < 0:
             raise ValueError(
                 f"the pose is mirrored: in a '{self.world}' world the determinant of the"
                 f" rotation must be {HANDEDNESS[self.world]:+.0f}"

@@ -22,7 +22,8 @@ class BusSettings(msgspec.Struct, frozen=True, kw_only=True):
         namespace: prefix of all keys, one per robot; empty for none.
         config: JSON5 file that replaces the built-in Zenoh configuration of a service.
         router_config: the same for the router.
-        shared_memory: large messages between processes of one host go through it.
+        shared_memory_mb: large messages between processes of one host go through a pool of
+            shared memory of this size, one per publishing process; 0 turns it off.
         open_timeout_s: how long a service waits for the router at its start.
         ask_timeout_s: how long a query waits for its reply.
         health_period_s: how often health is published.
@@ -32,7 +33,7 @@ class BusSettings(msgspec.Struct, frozen=True, kw_only=True):
     namespace: str = ""
     config: str = ""
     router_config: str = ""
-    shared_memory: bool = True
+    shared_memory_mb: int = 64
     open_timeout_s: float = 30.0
     ask_timeout_s: float = 5.0
     health_period_s: float = 1.0
@@ -66,7 +67,7 @@ def client_config(settings: BusSettings) -> dict[str, Any]:
         "transport": {
             "link": _LINK,
             "shared_memory": {
-                "enabled": settings.shared_memory,
+                "enabled": settings.shared_memory_mb > 0,
                 "transport_optimization": {"enabled": True, "messages": ["put"]},
             },
         },

@@ -20,6 +20,7 @@ from doro_schemas.bus.inbox import Inbox, Lane
 from doro_schemas.bus.links import Publisher, declare_publisher, declare_subscriber, zenoh_encoding
 from doro_schemas.bus.router import open_session
 from doro_schemas.bus.samples import RawSample, Request, decode_request, decode_sample
+from doro_schemas.bus.shared import SharedBuffers
 from doro_schemas.errors import Refused
 from doro_schemas.messages.base import Message
 from doro_schemas.messages.control import Rejected
@@ -48,6 +49,7 @@ class Bus:
         self._publishers: dict[tuple[str, bool], Publisher] = {}
         self._declared: list[Any] = []
         self._stopping = threading.Event()
+        self._shared = SharedBuffers(self.settings.shared_memory_mb << 20)
 
     def __enter__(self) -> Self:
         self.open()
@@ -112,7 +114,7 @@ class Bus:
     ) -> None:
         """Send bytes that are already encoded, as a recording holds them."""
         self.publisher(topic, key, lossless=lossless).put(
-            payload, encoding=zenoh_encoding(encoding)
+            self._shared.place(payload), encoding=zenoh_encoding(encoding)
         )
         self.counters[f"published.{topic.name}"] += 1
 
