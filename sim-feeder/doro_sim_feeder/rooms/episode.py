@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 from doro_schemas.errors import Refused
 from doro_schemas.messages import ColorFrame, DepthFrame, Exploration, SimDetections
 from doro_schemas.messages.base import Message
-from doro_sim_feeder.rooms.camera import Camera, Picture
+from doro_sim_feeder.rooms.camera import Picture
 from doro_sim_feeder.rooms.exploration import View, plan_views
 from doro_sim_feeder.rooms.footprints import CELL_M
+from doro_sim_feeder.rooms.lighting import Lighting
 from doro_sim_feeder.rooms.placement import CopySpec, spawn_copies
-from doro_sim_feeder.rooms.scene import CEILING_LAMP_M, Scene, build_scene
-from doro_sim_feeder.rooms.shading import Shader
+from doro_sim_feeder.rooms.renderers import RendererName, make_renderer
+from doro_sim_feeder.rooms.scene import Scene, build_scene
 from doro_sim_feeder.rooms.truth import TrueInstance, detections, true_instances
 
 EPOCH_NS = 1_700_000_000_000_000_000
@@ -43,6 +44,8 @@ class RoomEpisode:
         views: int | None = None,
         size_px: int = 300,
         color: bool = True,
+        renderer: RendererName = "embree",
+        lighting: Lighting | None = None,
     ) -> None:
         scene = build_scene(room)
         if copies is not None:
@@ -52,18 +55,12 @@ class RoomEpisode:
         self.name = f"{room}-seed{seed}"
         self.scene: Scene = scene
         self.views: list[View] = plan_views(scene.cells, views, seed)
-        self._camera = Camera(size_px)
-        self._caster = scene.caster()
-        self._shader: Shader | None = None
-        if color:
-            rect = scene.room
-            lamp = ((rect.x_low + rect.x_high) / 2, CEILING_LAMP_M, (rect.z_low + rect.z_high) / 2)
-            self._shader = Shader(self._caster, scene.part_materials(), np.array(lamp))
+        self._renderer = make_renderer(renderer, scene, size_px, color=color, lighting=lighting)
         self._seen: Counter[int] = Counter()
 
     def picture(self, view: View) -> Picture:
         """Render one view."""
-        return self._camera.take(self._caster, view.pose(), self._shader)
+        return self._renderer.take(view.pose())
 
     def truth(self) -> list[TrueInstance]:
         """Return all instances; ``views`` counts the frames that :meth:`messages` has given."""
@@ -123,7 +120,7 @@ class RoomEpisode:
             height_px=depth_mm.shape[0],
             width_px=depth_mm.shape[1],
             encoding="u16_mm",
-            intrinsics=self._camera.intrinsics,
+            intrinsics=self._renderer.camera.intrinsics,
             pose=view.pose(),
             data=np.clip(depth_mm, 0, 65535).astype(np.uint16),
         )

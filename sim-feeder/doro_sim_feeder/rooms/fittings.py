@@ -21,6 +21,8 @@ CEILING_M = 2.6
 WALL_M = 0.1
 TOP_M = 0.04
 FRONT_M = 0.018
+# Doors whose boxes overlap in iTHOR would coincide: each stands back by some steps of its own.
+STEP_BACK_M, STEPS_BACK = 0.00015, 32
 FLOOR_COLORS: tuple[Rgb, ...] = ((0.62, 0.60, 0.56), (0.56, 0.40, 0.25), (0.70, 0.57, 0.41))
 WALL_COLORS: tuple[Rgb, ...] = (
     (0.83, 0.81, 0.75),
@@ -168,6 +170,8 @@ class Fitting:
         """Return a cabinet or drawer: a body, a door front with a gap around it, a handle."""
         low, high = np.asarray(item.low_m), np.asarray(item.high_m)
         axis, sign = self._open_side(item, solid)
+        back_m = STEP_BACK_M * (stable_number(item.object_id) % STEPS_BACK)
+        low, high = low + back_m, high - back_m
         face = high[axis] if sign > 0 else low[axis]
         panel_low, panel_high = low + 0.008, high - 0.008
         panel_low[axis], panel_high[axis] = sorted((face - sign * 0.002, face + sign * FRONT_M))

@@ -8,13 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from doro_sim_feeder.rooms.lighting import Lighting
 from doro_sim_feeder.rooms.parts import unit
-from doro_sim_feeder.rooms.raycast import Hits, RayCaster
+from doro_sim_feeder.rooms.raycast import Hits, RayCaster, Soup
 
-AMBIENT, SKY, SIDE, HEAD, LAMP = 0.44, 0.06, 0.05, 0.12, 0.58
-SHADOW_LIGHT = 0.12  # share of the lamp's light that reaches shadows by bouncing
-GAMMA = 1 / 1.15
-BOUNCE = 0.22  # light that the floor sends up to the ceiling
 SHADOW_BIAS_M = 0.006
 LAMP_RADIUS_M = 0.16
 # (strength, exponent) of the highlight of each material.
@@ -29,7 +26,7 @@ GLOSS = {
 
 
 @dataclass(frozen=True)
-class _Atlas:
+class Atlas:
     """All textures in one flat buffer, so that a pixel's albedo is one lookup."""
 
     texels: NDArray[np.float32]
@@ -39,10 +36,11 @@ class _Atlas:
     color: NDArray[np.float32]
 
 
-def _make_atlas(caster: RayCaster) -> _Atlas:
+def make_atlas(soup: Soup) -> Atlas:
+    """Return the textures of a soup's parts; a part without one has a white texel."""
     texels = [np.full((1, 3), 255, np.uint8)]
     rows, start = [], 1
-    for part in caster.soup.parts:
+    for part in soup.parts:
         if part.texture is None:
             rows.append((0, 1, 1))
             continue
@@ -51,12 +49,12 @@ def _make_atlas(caster: RayCaster) -> _Atlas:
         texels.append(part.texture.reshape(-1, 3))
         start += width * height
     table = np.asarray(rows, np.int64)
-    return _Atlas(
+    return Atlas(
         texels=np.concatenate(texels).astype(np.float32) / np.float32(255),
         offset=table[:, 0],
         width=table[:, 1],
         height=table[:, 2],
-        color=np.asarray([part.color for part in caster.soup.parts], np.float32),
+        color=np.asarray([part.color for part in soup.parts], np.float32),
     )
 
 
@@ -66,19 +64,19 @@ class Shader:
     Args:
         caster: the scene's rays.
         part_materials: material of each part of the soup, in its order.
-        lamp_m: centre of the lamp, world metres.
+        lighting: the light.
     """
 
     def __init__(
-        self, caster: RayCaster, part_materials: list[str | None], lamp_m: NDArray[np.float64]
+        self, caster: RayCaster, part_materials: list[str | None], lighting: Lighting
     ) -> None:
         self._caster = caster
-        self._atlas = _make_atlas(caster)
+        self._atlas = make_atlas(caster.soup)
         gloss = [GLOSS.get(material or "", (0.0, 1.0)) for material in part_materials]
         self._gloss = np.asarray(gloss, np.float32)
         self._wood = np.asarray([material == "wood" for material in part_materials])
         self._fabric = np.asarray([material == "fabric" for material in part_materials])
-        self._lamp_m = lamp_m
+        self._lighting = lighting
 
     def shade(
         self, origin_m: NDArray[Any], directions: NDArray[Any], hits: Hits, lamp_angle: float
@@ -102,19 +100,24 @@ class Shader:
         normal = np.where((normal * flat).sum(axis=1, keepdims=True) < 0, -normal, normal)
         albedo = self._albedo(part, (soup.uv[corners] * weight).sum(axis=1), point)
 
-        lamp = self._lamp_m + LAMP_RADIUS_M * np.array([np.cos(lamp_angle), 0, np.sin(lamp_angle)])
+        use = self._lighting
+        lamp = np.asarray(use.lamp_m) + LAMP_RADIUS_M * np.array(
+            [np.cos(lamp_angle), 0, np.sin(lamp_angle)]
+        )
         to_lamp = lamp.astype(np.float32) - point
         toward = unit(to_lamp)
         facing_lamp = np.clip((normal * toward).sum(axis=1), 0, 1)
         shadow = self._caster.occluded(point + flat * SHADOW_BIAS_M, to_lamp)
-        lit = np.where(shadow | ((flat * toward).sum(axis=1) <= 0), SHADOW_LIGHT, 1.0)
+        lit = np.where(shadow | ((flat * toward).sum(axis=1) <= 0), use.shadow, 1.0)
         head = np.clip(-(normal * view).sum(axis=1), 0, 1)
-        light = AMBIENT + SKY * normal[:, 1] + SIDE * normal[:, 0] + HEAD * head
-        light += LAMP * facing_lamp * lit + BOUNCE * np.clip(-normal[:, 1], 0, 1)
+        even = use.ambient + use.sky * normal[:, 1] + use.side * normal[:, 0] + use.head * head
+        even += use.bounce * np.clip(-normal[:, 1], 0, 1)
+        light = even[:, None] * np.asarray(use.ambient_color, np.float32)
+        light += (use.lamp * facing_lamp * lit)[:, None] * np.asarray(use.lamp_color, np.float32)
         half = np.clip((normal * unit(toward - view)).sum(axis=1), 0, 1)
         strength, exponent = self._gloss[part].T
         highlight = strength * (half**exponent * (lit > 0.5) + 0.25 * (1 - head) ** 4)
-        color = np.clip(albedo * light[:, None] + highlight[:, None], 0, 1) ** GAMMA
+        color = np.clip((albedo * light + highlight[:, None]) * use.exposure, 0, 1) ** use.gamma
         return np.where((hits.face >= 0)[:, None], color, 0).astype(np.float32)
 
     def _albedo(
