@@ -2,73 +2,55 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from collections import Counter
+from dataclasses import dataclass, field
 
-import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from doro_schemas.errors import Refused
-from doro_sim_feeder.rooms.appearance import COPY_MATERIALS, PALETTE, usual_material
-from doro_sim_feeder.rooms.instances import BACKGROUND, Instance
+from doro_sim_feeder.rooms.contact import Around, Body
+from doro_sim_feeder.rooms.copies import STACKED, CopySpec, Look, Unplaced, Wish, wishes
+from doro_sim_feeder.rooms.instances import Instance
 from doro_sim_feeder.rooms.layout import load_layout, sizes_of_type
 from doro_sim_feeder.rooms.parts import Part, bounds, place, stable_number
+from doro_sim_feeder.rooms.places import (
+    CAMERA_HEIGHT_M,
+    SOFT,
+    Candidates,
+    draw_places,
+    passable,
+    room_for,
+    seen_from,
+    surface_heights,
+    turned_size_m,
+)
 from doro_sim_feeder.rooms.raycast import RayCaster
-from doro_sim_feeder.rooms.scene import Scene, Vector, local_size, object_parts
+from doro_sim_feeder.rooms.scene import RESTING_M, Scene, Vector, local_size, object_parts
 
-CAMERA_HEIGHT_M = 1.576
-TWIN_SHARE = 0.3
-CANDIDATES = 2500
-FLAT_M = 0.012
-SOFT_M = 0.07  # what soft things may lean on: cushions are no planes
-SOFT = frozenset({"Pillow", "TeddyBear", "Cloth"})
-CLEARANCE_M = 0.03
-SEEN_WITHIN_M = 2.6
+__all__ = ["CAMERA_HEIGHT_M", "CopySpec", "Spawned", "place_copies", "spawn_copies"]
+
 SPREADS_M = (1.2, 0.8, 0.5, 0.3)  # tried in turn: copies stand apart where the room allows
 LAST_TRIES = 4
-SURFACES = frozenset(
-    """CounterTop DiningTable CoffeeTable SideTable Desk Dresser TVStand Shelf ShelvingUnit
-    Sofa Bed ArmChair""".split()  # noqa: SIM905
-)
+RAISED_M = 0.04
+FLOOR_M, LOWEST_SHELF_M = 0.03, 0.2
+STACK_RISE_M = 0.35
+STACK_TRIES = 12
+STACK_SLIP_M = 0.012
+MAX_STACK = 4
+FEW_CELLS = 3
 ON_FLOOR = frozenset(
     """Chair Stool ArmChair Sofa FloorLamp SideTable CoffeeTable DiningTable Desk HousePlant Box
     GarbageCan TVStand Dresser LaundryHamper""".split()  # noqa: SIM905
 )
 
 
-class CopySpec(msgspec.Struct, frozen=True):
-    """Which copies to spawn.
-
-    Attributes:
-        object_type: AI2-THOR's class name ("Cup").
-        count: how many, besides those that the room has.
-        colors: named colours in turn; empty: drawn by the seed, now and then twins.
-    """
-
-    object_type: str
-    count: int
-    colors: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        if not 1 <= self.count <= 20:
-            raise Refused(f"{self.count} copies were asked for: 1 to 20 can be placed")
-        unknown = [color for color in self.colors if color not in PALETTE]
-        if unknown:
-            raise Refused(f"unknown colour '{unknown[0]}': use one of {', '.join(PALETTE)}")
-
-
 @dataclass(frozen=True)
-class _Copy:
-    """A copy to be placed: its class, colour and triangles around the origin."""
+class Spawned:
+    """A scene with copies, and those that found no place."""
 
-    object_type: str
-    color: str
-    shape: tuple[Part, ...]
-
-    @property
-    def on_floor(self) -> bool:
-        return self.object_type in ON_FLOOR
+    scene: Scene
+    missing: tuple[Unplaced, ...]
 
 
 @dataclass(frozen=True)
@@ -81,63 +63,200 @@ class _Place:
 
 
 @dataclass(frozen=True)
-class _Candidates:
-    """Places to try: ground positions, yaw, and where rays fall from."""
+class _Copy:
+    """A copy to be placed: what is wanted, and its triangles around the origin."""
 
-    x: NDArray[np.float64]
-    z: NDArray[np.float64]
-    yaw_deg: NDArray[np.float64]
-    support: NDArray[np.int64]
-    from_m: NDArray[np.float64]
+    wish: Wish
+    shape: tuple[Part, ...]
+
+    @property
+    def on_floor(self) -> bool:
+        return self.wish.object_type in ON_FLOOR
+
+
+@dataclass
+class _Spawner:
+    """Places the copies of one class in a room, one after the other."""
+
+    scene: Scene
+    rng: np.random.Generator
+    size_m: Vector
+    caster: RayCaster
+    made: list[Instance] = field(default_factory=list)
+    tally: Counter[str] = field(default_factory=Counter)
+
+    def spawn(self, wish: Wish, number: int) -> Unplaced | None:
+        """Place a copy; return why not where there is no place."""
+        self.tally.clear()
+        copy = _Copy(wish, self._shape(wish))
+        found = self._found(copy)
+        if found is None:
+            return self._unplaced(wish, number)
+        self.made.append(_instance(copy, number, found))
+        return None
+
+    def _shape(self, wish: Wish) -> tuple[Part, ...]:
+        kind, look = wish.object_type, wish.look
+        key = f"{self.scene.name}|{kind}|{look.color}"
+        return object_parts(kind, self.size_m, key, look.color, look.material)
+
+    def _found(self, copy: _Copy) -> _Place | None:
+        stance = copy.wish.stance
+        found = self._on_another(copy) if stance == "stacked" else None
+        if found is None and stance == "close":
+            beside = self.made[int(self.rng.integers(len(self.made)))] if self.made else None
+            found = self._among(copy, beside, 0.0, FEW_CELLS)
+        least = max(FEW_CELLS, len(self.scene.cells) // 12)
+        for spread_m in SPREADS_M:
+            if found is None:
+                found = self._among(copy, None, spread_m, least)
+        for _ in range(LAST_TRIES):  # a crowded room: close together, seen from a few cells
+            if found is None:
+                found = self._among(copy, None, 0.2, FEW_CELLS)
+        return found
+
+    def _among(
+        self, copy: _Copy, beside: Instance | None, spread_m: float, least_cells: int
+    ) -> _Place | None:
+        """Return the first place that fits, on a receptacle without a copy where there is one."""
+        candidates = draw_places(self.scene, copy.on_floor, self.rng, beside)
+        if candidates is None:
+            self.tally["there is no surface for it"] += 1
+            return None
+        low, high = bounds(copy.shape)
+        soft = copy.wish.object_type in SOFT
+        tops = surface_heights(self.caster, candidates, high - low, soft)
+        fits = np.abs(tops) <= FLOOR_M if copy.on_floor else tops >= LOWEST_SHELF_M
+        self.tally["no flat surface of its size"] += int((~fits).sum())
+        for k in self._order(candidates, fits, beside):
+            found = self._try(copy, candidates, int(k), float(tops[k]), spread_m)
+            if found is None:
+                continue
+            middle = np.array(found.position_m)
+            middle[1] += float(high[1]) / 2
+            if copy.on_floor or seen_from(self.scene, self.caster, middle) >= least_cells:
+                return found
+            self.tally["not in view"] += 1
+        return None
+
+    def _order(
+        self, candidates: Candidates, fits: NDArray[np.bool_], beside: Instance | None
+    ) -> NDArray[np.int64]:
+        used = {receptacle for item in self.made for receptacle in item.receptacles}
+        names = [self.scene.instances[k].object_id for k in candidates.support]
+        taken = np.array([beside is None and name in used for name in names])
+        order = np.argsort(taken, kind="stable")
+        kept: NDArray[np.int64] = order[fits[order]]
+        return kept
+
+    def _try(
+        self, copy: _Copy, candidates: Candidates, k: int, top_m: float, spread_m: float
+    ) -> _Place | None:
+        yaw_deg = float(candidates.yaw_deg[k])
+        center = np.array([candidates.x[k], top_m, candidates.z[k]])
+        others = [np.mean(item.corners, axis=0) for item in self.made]
+        apart = [float(np.hypot(*(center - other)[[0, 2]])) for other in others]
+        if min(apart, default=np.inf) < spread_m:
+            self.tally["too near to another copy"] += 1
+            return None
+        if not room_for(center, turned_size_m(copy.shape, yaw_deg), self.scene, self.made):
+            self.tally["something else stands there"] += 1
+            return None
+        position = self._at_rest(place(copy.shape, yaw_deg, center), center)
+        if position is None:
+            return None
+        if copy.on_floor and not passable(self.scene, place(copy.shape, yaw_deg, position)):
+            self.tally["it would block the way"] += 1
+            return None
+        return _Place(position, yaw_deg, self.scene.instances[candidates.support[k]].object_id)
+
+    def _at_rest(self, parts: tuple[Part, ...], position: NDArray[np.float64]) -> Vector | None:
+        """Return where a thing that is let go just above its place comes to rest, exactly."""
+        body = Body(parts)
+        around = Around([*self.scene.instances, *self.made], body.low, body.high)
+        drop_m = around.drop_m(body, RAISED_M)
+        rise_m = RAISED_M - drop_m + RESTING_M
+        if not -RAISED_M < rise_m < RAISED_M or around.crosses(body, np.array([0.0, rise_m, 0.0])):
+            self.tally["it would cut into something"] += 1
+            return None
+        x, y, z = (float(value) for value in position)
+        return (x, y + rise_m, z)
+
+    def _on_another(self, copy: _Copy) -> _Place | None:
+        """Return a place on top of a copy that carries nothing yet."""
+        carrying = {name for item in self.made for name in item.receptacles}
+        bases = [item for item in self.made if item.object_id not in carrying]
+        if not bases or copy.wish.object_type not in STACKED:
+            return None
+        for _ in range(STACK_TRIES):
+            base = bases[int(self.rng.integers(len(bases)))]
+            low, high = base.corners
+            slip = self.rng.uniform(-STACK_SLIP_M, STACK_SLIP_M, 2)
+            x, z = (low[0] + high[0]) / 2 + slip[0], (low[2] + high[2]) / 2 + slip[1]
+            yaw_deg = base.yaw_deg + float(self.rng.uniform(-10, 10))
+            if self._height_of_stack(base) >= MAX_STACK:
+                continue
+            center = np.array([x, float(high[1]), z], np.float64)
+            body = Body(place(copy.shape, yaw_deg, center))
+            around = Around([*self.scene.instances, *self.made], body.low, body.high)
+            rise_m = RAISED_M - around.drop_m(body, RAISED_M) + RESTING_M
+            clear = -STACK_RISE_M < rise_m < RAISED_M
+            if clear and not around.crosses(body, np.array([0.0, rise_m, 0.0])):
+                position = (float(x), float(high[1]) + rise_m, float(z))
+                if seen_from(self.scene, self.caster, np.array(position)) >= FEW_CELLS:
+                    return _Place(position, yaw_deg, base.object_id)
+        return None
+
+    def _height_of_stack(self, top: Instance) -> int:
+        by_id = {item.object_id: item for item in self.made}
+        height, item = 1, by_id.get(top.receptacles[0]) if top.receptacles else None
+        while item is not None:
+            height, item = height + 1, by_id.get(item.receptacles[0])
+        return height
+
+    def _unplaced(self, wish: Wish, number: int) -> Unplaced:
+        tried = ", ".join(f"{name} ({count})" for name, count in self.tally.most_common())
+        return Unplaced(
+            name=f"copy{number}",
+            object_type=wish.object_type,
+            attributes=_attributes(wish.look),
+            reason=f"no free, visible place: {tried}",
+        )
+
+
+def place_copies(scene: Scene, spec: CopySpec, seed: int) -> Spawned:
+    """Return the scene with copies where they found a place, and the others by name.
+
+    Every copy rests on what is below it (:mod:`contact` measures it) and can be seen from
+    several cells. One scene, specification and seed give the same result.
+
+    Raises:
+        Refused: the class is unknown.
+    """
+    rng = np.random.default_rng([seed, stable_number(f"{scene.name}|{spec.object_type}")])
+    size = _size_of(scene, spec.object_type)
+    spawner = _Spawner(scene, rng, size, scene.caster())
+    missing = [spawner.spawn(wish, k) for k, wish in enumerate(wishes(spec, rng))]
+    return Spawned(
+        scene.with_instances(spawner.made), tuple(item for item in missing if item is not None)
+    )
 
 
 def spawn_copies(scene: Scene, spec: CopySpec, seed: int) -> Scene:
-    """Return the scene with copies at random places that are seen from several cells.
+    """Return the scene with all the copies asked for.
 
     Raises:
-        Refused: the class is unknown or the room has no room for the copies.
+        Refused: the class is unknown or the room has no room for all copies.
     """
-    rng = np.random.default_rng([seed, stable_number(f"{scene.name}|{spec.object_type}")])
-    caster = scene.caster()
-    size = _size_of(scene, spec.object_type)
-    made: list[Instance] = []
-    for color in _colors(spec, rng):
-        copy = _Copy(spec.object_type, color, _shape(scene, spec, size, color))
-        found = None
-        for spread_m in SPREADS_M:
-            candidates = _draw(scene, copy.on_floor, rng)
-            if found is None and candidates is not None:
-                found = _find_place(scene, caster, copy, _Search(candidates, made, spread_m))
-        for _ in range(LAST_TRIES):  # a crowded room: close together, seen from a few cells
-            candidates = _draw(scene, copy.on_floor, rng) if found is None else None
-            if candidates is not None:
-                found = _find_place(scene, caster, copy, _Search(candidates, made, 0.2, 3))
-        if found is None:
-            raise Refused(
-                f"{scene.name} has no free, visible place for {spec.count} copies of"
-                f" {spec.object_type}: ask for fewer or take another room or seed"
-            )
-        made.append(_instance(copy, len(made), found))
-    return scene.with_instances(made)
-
-
-def _colors(spec: CopySpec, rng: np.random.Generator) -> list[str]:
-    if spec.colors:
-        return [spec.colors[k % len(spec.colors)] for k in range(spec.count)]
-    fresh = [str(name) for name in rng.permutation(list(PALETTE))]
-    colors: list[str] = []
-    for _ in range(spec.count):
-        twin = bool(colors) and (rng.random() < TWIN_SHARE or not fresh)
-        colors.append(str(rng.choice(colors)) if twin else fresh.pop())
-    return colors
-
-
-def copy_material(object_type: str, color: str) -> str | None:
-    """Return the material of a spawned copy; twins of a colour share it."""
-    choices = COPY_MATERIALS.get(object_type)
-    if choices is None:
-        return usual_material(object_type)
-    return choices[stable_number(f"{object_type}|{color}") % len(choices)]
+    spawned = place_copies(scene, spec, seed)
+    if spawned.missing:
+        first = spawned.missing[0]
+        raise Refused(
+            f"{scene.name} has no room for {len(spawned.missing)} of {spec.count} copies of"
+            f" {spec.object_type} ({first.name}: {first.reason}): ask for fewer, take another room"
+            " or seed, or allow missing copies"
+        )
+    return spawned.scene
 
 
 def _size_of(scene: Scene, object_type: str) -> Vector:
@@ -150,134 +269,20 @@ def _size_of(scene: Scene, object_type: str) -> Vector:
     return known[len(known) // 2]
 
 
-def _shape(scene: Scene, spec: CopySpec, size: Vector, color: str) -> tuple[Part, ...]:
-    material = copy_material(spec.object_type, color)
-    key = f"{scene.name}|{spec.object_type}|{color}"
-    return object_parts(spec.object_type, size, key, color, material)
-
-
-@dataclass(frozen=True)
-class _Search:
-    """Where to look, what is made and how far to stay from it, cells that must see the place."""
-
-    candidates: _Candidates
-    made: list[Instance]
-    spread_m: float
-    least_cells: int | None = None
-
-
-def _find_place(scene: Scene, caster: RayCaster, copy: _Copy, search: _Search) -> _Place | None:
-    """Return the first place that fits, on a receptacle without a copy where there is one."""
-    candidates, made = search.candidates, search.made
-    low, high = bounds(copy.shape)
-    tops = _surface(caster, candidates, copy, high - low)
-    least = search.least_cells
-    if least is None:
-        least = 0 if copy.on_floor else max(3, len(scene.cells) // 12)
-    used = {receptacle for item in made for receptacle in item.receptacles}
-    names = [scene.instances[k].object_id for k in candidates.support]
-    taken = np.array([name in used for name in names])
-    for k in np.argsort(taken, kind="stable"):
-        top = float(tops[k])
-        if not np.isfinite(top) or (top > 0.03 if copy.on_floor else top < 0.2):
-            continue
-        position = (float(candidates.x[k]), top + 0.001, float(candidates.z[k]))
-        placed = place(copy.shape, float(candidates.yaw_deg[k]), position)
-        if not (_apart(placed, made, search.spread_m) and _free(placed, scene, made)):
-            continue
-        middle = np.array(position)
-        middle[1] += float(high[1]) / 2
-        if copy.on_floor and not _passable(scene, placed):
-            continue
-        if _seen_from(scene, caster, middle) >= least:
-            return _Place(position, float(candidates.yaw_deg[k]), names[k])
-    return None
-
-
-def _draw(scene: Scene, on_floor: bool, rng: np.random.Generator) -> _Candidates | None:
-    wanted = frozenset({"Floor"}) if on_floor else SURFACES
-    supports = [k for k, item in enumerate(scene.instances) if item.object_type in wanted]
-    if not supports:
-        return None
-    chosen = rng.choice(np.asarray(supports), CANDIDATES)
-    share = rng.random((CANDIDATES, 2))
-    turn = rng.random(CANDIDATES) * 360
-    if on_floor:
-        turn = np.floor(turn / 90) * 90
-    low = np.array([scene.instances[k].corners[0] for k in chosen])
-    high = np.array([scene.instances[k].corners[1] for k in chosen])
-    return _Candidates(
-        x=low[:, 0] + share[:, 0] * (high[:, 0] - low[:, 0]),
-        z=low[:, 2] + share[:, 1] * (high[:, 2] - low[:, 2]),
-        yaw_deg=turn,
-        support=chosen,
-        from_m=high[:, 1] + (2.4 if on_floor else 0.3),
-    )
-
-
-def _surface(
-    caster: RayCaster, places: _Candidates, copy: _Copy, extent_m: NDArray[np.floating[Any]]
-) -> NDArray[np.float64]:
-    """Return the height of the surface below each place; NaN where it is not flat."""
-    steps = np.linspace(-0.48, 0.48, 5)
-    across, along = (grid.ravel() for grid in np.meshgrid(steps, steps))
-    across, along = across * extent_m[0], along * extent_m[2]
-    yaw = np.radians(places.yaw_deg)[:, None]
-    x = places.x[:, None] + np.cos(yaw) * across + np.sin(yaw) * along
-    z = places.z[:, None] - np.sin(yaw) * across + np.cos(yaw) * along
-    y = np.broadcast_to(places.from_m[:, None], x.shape)
-    origins = np.stack([x, y, z], axis=-1).reshape(-1, 3)
-    down = np.broadcast_to(np.array([0.0, -1.0, 0.0]), origins.shape)
-    height = y - caster.cast(origins, down).distance.reshape(x.shape)
-    height = np.where(np.isfinite(height), height, -1e3)
-    soft = copy.object_type in SOFT
-    flat = np.ptp(height, axis=1) <= (SOFT_M if soft else FLAT_M)
-    top = np.median(height, axis=1) if soft else height.max(axis=1)
-    return np.where(flat, top, np.nan)
-
-
-def _apart(placed: tuple[Part, ...], made: list[Instance], spread_m: float) -> bool:
-    low, high = bounds(placed)
-    middle = (low + high)[[0, 2]] / 2
-    others = [(item.corners[0] + item.corners[1])[[0, 2]] / 2 for item in made]
-    return all(float(np.hypot(*(middle - other))) >= spread_m for other in others)
-
-
-def _free(placed: tuple[Part, ...], scene: Scene, made: list[Instance]) -> bool:
-    low, high = bounds(placed)
-    for item in (*scene.instances, *made):
-        if item.object_type in BACKGROUND:
-            continue
-        other_low, other_high = item.corners
-        overlaps = (low - CLEARANCE_M < other_high) & (high + CLEARANCE_M > other_low)
-        if overlaps.all() and other_high[1] > low[1] + FLAT_M and other_low[1] > low[1] - 0.02:
-            return False
-    return True
-
-
-def _seen_from(scene: Scene, caster: RayCaster, middle_m: NDArray[np.float64]) -> int:
-    """Return from how many cells a point is in view and near enough to make out."""
-    cells = scene.cells
-    eyes = np.column_stack([cells[:, 0], np.full(len(cells), CAMERA_HEIGHT_M), cells[:, 1]])
-    rays = middle_m - eyes
-    near = np.linalg.norm(rays, axis=1) < SEEN_WITHIN_M
-    return int((near & ~caster.occluded(eyes, rays, reach=0.97)).sum())
-
-
-def _passable(scene: Scene, placed: tuple[Part, ...]) -> bool:
-    """Tell whether the agent still gets to most of the room around a thing on the floor."""
-    blocked = Instance("", "Box", placed)
-    return len(scene.with_instances([blocked]).cells) >= 0.7 * len(scene.cells)
+def _attributes(look: Look) -> dict[str, str]:
+    pairs = (("color", look.color), ("material", look.material))
+    return {name: value for name, value in pairs if value is not None}
 
 
 def _instance(copy: _Copy, number: int, found: _Place) -> Instance:
     x, y, z = found.position_m
+    wish = copy.wish
     return Instance(
-        object_id=f"{copy.object_type}|{x:+06.2f}|{y:+06.2f}|{z:+06.2f}|copy{number}",
-        object_type=copy.object_type,
+        object_id=f"{wish.object_type}|{x:+06.2f}|{y:+06.2f}|{z:+06.2f}|copy{number}",
+        object_type=wish.object_type,
         parts=place(copy.shape, found.yaw_deg, found.position_m),
-        color=copy.color,
-        material=copy_material(copy.object_type, copy.color),
+        color=wish.look.color,
+        material=wish.look.material,
         yaw_deg=found.yaw_deg,
         pickupable=not copy.on_floor,
         receptacles=(found.receptacle,),

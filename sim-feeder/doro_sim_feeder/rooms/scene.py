@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from doro_sim_feeder.rooms.appearance import PALETTE, color_of, material_of, recoloured
+from doro_sim_feeder.rooms.contact import Around, Body
 from doro_sim_feeder.rooms.fittings import Fitting, flat_parts, make_fitting
 from doro_sim_feeder.rooms.footprints import (
     AGENT_HEIGHT_M,
@@ -35,7 +36,8 @@ from doro_sim_feeder.rooms.parts import (
 from doro_sim_feeder.rooms.raycast import RayCaster, make_soup
 
 Vector = tuple[float, float, float]
-SETTLE_UP_M, SETTLE_DOWN_M = 0.12, 1.5
+SETTLE_FROM_M, SETTLE_DOWN_M = (0.03, 0.06, 0.12, 0.25), 1.5
+RESTING_M = 0.0005  # air below a thing at rest, so that surfaces never cross by rounding
 CEILING_LAMP_M = 2.3
 # Boxes of the layout that are rendered as parts of something else or not at all.
 SKIPPED = frozenset({"Floor", "CounterTop", "Sink", "SinkBasin", "Cabinet", "Drawer", "Wall"})
@@ -233,7 +235,8 @@ def object_parts(
     size_m = (max(size_m[0], 0.004), max(size_m[1], 0.004), max(size_m[2], 0.004))
     if object_type in BLOBS:
         rgb, squareness, dent = BLOBS[object_type]
-        natural = object_type not in ("Pillow", "Ottoman", "DogBed", "SprayBottle", "DishSponge")
+        tinted = ("Pillow", "Ottoman", "DogBed", "SprayBottle", "DishSponge", "Apple")
+        natural = object_type not in tinted or (object_type == "Apple" and color == "red")
         tint = rgb if natural or color is None else PALETTE[color]
         return (blob_part(size_m, tint, squareness=squareness, dent=dent),)
     mesh = mesh_library().choose(object_type, stable_number(key), material)
@@ -247,22 +250,29 @@ def object_parts(
 
 
 def _settle(instances: list[Instance]) -> list[Instance]:
-    """Put pickupable things down on the surfaces as rendered; the meshes are not Unity's."""
-    fixed = [(k, item) for k, item in enumerate(instances) if not item.pickupable]
-    caster = RayCaster(make_soup([(k, item.parts) for k, item in fixed]))
-    offsets = np.array([(a, b) for a in (-0.3, 0, 0.3) for b in (-0.3, 0, 0.3)])
-    down = np.tile(np.array([0.0, -1.0, 0.0]), (len(offsets), 1))
-    settled = []
-    for item in instances:
-        if not item.pickupable:
-            settled.append(item)
-            continue
-        low, high = item.corners
-        center, start = (low + high) / 2, low[1] + SETTLE_UP_M
-        x = center[0] + offsets[:, 0] * (high[0] - low[0])
-        z = center[2] + offsets[:, 1] * (high[2] - low[2])
-        hits = caster.cast(np.stack([x, np.full(len(x), start), z], axis=1), down)
-        drop = hits.distance[np.isfinite(hits.distance)]
-        rise = float(SETTLE_UP_M - drop.min()) if len(drop) else 0.0
-        settled.append(item.raised(rise) if -SETTLE_DOWN_M < rise < SETTLE_UP_M else item)
+    """Put pickupable things down on the surfaces as rendered; the meshes are not Unity's.
+
+    One after the other from below, each on what is fixed and what has been put down.
+    """
+    resting = [item for item in instances if not item.pickupable]
+    order = sorted(
+        (k for k, item in enumerate(instances) if item.pickupable),
+        key=lambda k: (float(instances[k].corners[0][1]), k),
+    )
+    settled = list(instances)
+    for k in order:
+        settled[k] = _put_down(instances[k], resting)
+        resting.append(settled[k])
     return settled
+
+
+def _put_down(item: Instance, resting: list[Instance]) -> Instance:
+    """Return the thing let go a little above its place; from higher where that is blocked."""
+    body = Body(item.parts)
+    around = Around(resting, body.low, body.high)
+    for raised_m in SETTLE_FROM_M:
+        rise_m = raised_m - around.drop_m(body, raised_m) + RESTING_M
+        clear = -SETTLE_DOWN_M < rise_m <= raised_m + RESTING_M
+        if clear and not around.crosses(body, np.array([0.0, rise_m, 0.0])):
+            return item.raised(rise_m)
+    return item
