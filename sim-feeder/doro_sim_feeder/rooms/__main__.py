@@ -12,9 +12,11 @@ import msgspec
 from doro_schemas.errors import Refused
 from doro_schemas.messages import Exploration, SimDetections
 from doro_schemas.messages.base import Message
+from doro_sim_feeder.rooms.copies import Arrangement, CopySpec
 from doro_sim_feeder.rooms.episode import RoomEpisode
-from doro_sim_feeder.rooms.placement import CopySpec
+from doro_sim_feeder.rooms.exploration import ORDERS
 from doro_sim_feeder.rooms.sheet import write_sheet
+from doro_sim_feeder.rooms.version import generator_version
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -25,6 +27,10 @@ def _parser() -> argparse.ArgumentParser:
     render.add_argument("--seed", type=int, default=0)
     render.add_argument("--copies", metavar="CLASS=N", help="spawn N copies, e.g. Cup=4")
     render.add_argument("--colors", default="", help="colours of the copies, e.g. red,red,blue")
+    render.add_argument("--arrange", choices=("apart", "mixed"), default="apart")
+    render.add_argument("--allow-missing", action="store_true", help="report, do not refuse")
+    render.add_argument("--order", choices=tuple(ORDERS), default="random")
+    render.add_argument("--no-color", action="store_true", help="depth and ids only: fast")
     render.add_argument("--views", type=int, help="number of views (default: every cell)")
     render.add_argument("--size", type=int, default=300, help="side of the images, pixels")
     render.add_argument("--out", type=Path, help="recording to write, .mcap")
@@ -33,7 +39,7 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def copy_spec(copies: str | None, colors: str) -> CopySpec | None:
+def copy_spec(copies: str | None, colors: str, arrange: Arrangement = "apart") -> CopySpec | None:
     """Return what ``Cup=4`` and ``red,red,blue`` ask for."""
     if not copies:
         return None
@@ -41,7 +47,7 @@ def copy_spec(copies: str | None, colors: str) -> CopySpec | None:
     if not name or not count.isdigit():
         raise Refused(f"--copies {copies} is not understood: write CLASS=N, for example Cup=4")
     names = tuple(word.strip() for word in colors.split(",") if word.strip())
-    return CopySpec(name, int(count), names)
+    return CopySpec(name, int(count), names, arrange)
 
 
 def _with_progress(messages: Iterator[Message], total: int) -> Iterator[Message]:
@@ -55,24 +61,44 @@ def _with_progress(messages: Iterator[Message], total: int) -> Iterator[Message]
 
 def run(args: argparse.Namespace) -> None:
     """Render what the command line asks for."""
-    spec = copy_spec(args.copies, args.colors)
+    spec = copy_spec(args.copies, args.colors, args.arrange)
     episode = RoomEpisode(
-        args.room, seed=args.seed, copies=spec, views=args.views, size_px=args.size
+        args.room,
+        seed=args.seed,
+        copies=spec,
+        views=args.views,
+        size_px=args.size,
+        color=not args.no_color,
+        order=args.order,
+        allow_missing=args.allow_missing,
     )
+    for one in episode.missing:
+        print(f"{args.room}: {one.object_type} {one.name} left out: {one.reason}", file=sys.stderr)
     if args.sheet:
         write_sheet(args.sheet, episode)
         print(f"contact sheet: {args.sheet}", file=sys.stderr)
     if args.out:
         from doro_sim_feeder.recording import write_recording  # noqa: PLC0415 - only with --out
 
-        metadata = {"room": args.room, "seed": str(args.seed), "source": "rendered"}
+        metadata = {
+            "room": args.room,
+            "seed": str(args.seed),
+            "source": "rendered",
+            "generator": generator_version(),
+        }
         messages = _with_progress(episode.messages(), len(episode.views))
         write_recording(args.out, messages, metadata)
     elif args.truth:
         for _ in _with_progress(episode.messages(), len(episode.views)):
             pass
     if args.truth:
-        text = msgspec.json.encode({"episode": episode.name, "instances": episode.truth()})
+        text = msgspec.json.encode(
+            {
+                "episode": episode.name,
+                "instances": episode.truth(),
+                "missing": episode.missing,
+            }
+        )
         args.truth.write_bytes(msgspec.json.format(text, indent=1) + b"\n")
 
 

@@ -9,14 +9,16 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from doro_schemas.camera import Intrinsics
 from doro_schemas.errors import Refused
 from doro_schemas.messages import ColorFrame, DepthFrame, Exploration, SimDetections
 from doro_schemas.messages.base import Message
 from doro_sim_feeder.rooms.camera import Picture
+from doro_sim_feeder.rooms.copies import CopySpec, Unplaced
 from doro_sim_feeder.rooms.exploration import View, plan_views
 from doro_sim_feeder.rooms.footprints import CELL_M
 from doro_sim_feeder.rooms.lighting import Lighting
-from doro_sim_feeder.rooms.placement import CopySpec, spawn_copies
+from doro_sim_feeder.rooms.placement import place_copies, spawn_copies
 from doro_sim_feeder.rooms.renderers import RendererName, make_renderer
 from doro_sim_feeder.rooms.scene import Scene, build_scene
 from doro_sim_feeder.rooms.truth import TrueInstance, detections, true_instances
@@ -30,9 +32,10 @@ class RoomEpisode:
     """One room, its copies and the views of its exploration.
 
     Attributes:
-        name: the episode, ``<room>-seed<seed>``.
+        name: the episode, ``<room>-seed<seed>`` where none is given.
         scene: what is rendered.
         views: where from, in order.
+        missing: copies that were asked for and found no place.
     """
 
     def __init__(
@@ -46,17 +49,29 @@ class RoomEpisode:
         color: bool = True,
         renderer: RendererName = "embree",
         lighting: Lighting | None = None,
+        order: str = "random",
+        allow_missing: bool = False,
+        name: str = "",
     ) -> None:
         scene = build_scene(room)
-        if copies is not None:
+        self.missing: tuple[Unplaced, ...] = ()
+        if copies is not None and allow_missing:
+            spawned = place_copies(scene, copies, seed)
+            scene, self.missing = spawned.scene, spawned.missing
+        elif copies is not None:
             scene = spawn_copies(scene, copies, seed)
         if not len(scene.cells):
             raise Refused(f"{room} has no cell where the agent can stand: take another room")
-        self.name = f"{room}-seed{seed}"
+        self.name = name or f"{room}-seed{seed}"
         self.scene: Scene = scene
-        self.views: list[View] = plan_views(scene.cells, views, seed)
+        self.views: list[View] = plan_views(scene.cells, views, seed, order)
         self._renderer = make_renderer(renderer, scene, size_px, color=color, lighting=lighting)
         self._seen: Counter[int] = Counter()
+
+    @property
+    def intrinsics(self) -> Intrinsics:
+        """The camera's intrinsics, the same in every view."""
+        return self._renderer.camera.intrinsics
 
     def picture(self, view: View) -> Picture:
         """Render one view."""
@@ -120,7 +135,7 @@ class RoomEpisode:
             height_px=depth_mm.shape[0],
             width_px=depth_mm.shape[1],
             encoding="u16_mm",
-            intrinsics=self._renderer.camera.intrinsics,
+            intrinsics=self.intrinsics,
             pose=view.pose(),
             data=np.clip(depth_mm, 0, 65535).astype(np.uint16),
         )
