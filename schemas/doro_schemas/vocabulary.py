@@ -53,6 +53,7 @@ IRREGULAR_PLURAL = {
     "loaves": "loaf",
     "leaves": "leaf",
     "mice": "mouse",
+    "buses": "bus",
     "people": "person",
     "children": "child",
     "feet": "foot",
@@ -65,6 +66,9 @@ NO_SINGULAR = frozenset(
     less trellis iris tennis christmas stairs blinds keys
     """.split()  # noqa: SIM905 - a list of 40 quoted words is harder to read and to extend
 )
+
+DRINKS = frozenset(["wine", "drinking", "shot", "champagne", "water", "beer", "cocktail", "juice"])
+"""Glasses to drink from; other "glasses" are a pair of them and have no singular."""
 
 
 def singular(word: str) -> str:
@@ -85,7 +89,8 @@ def singular(word: str) -> str:
 def canonical_name(name: str) -> str:
     """Return the canonical class name: lower case, singular head noun, one synonym."""
     words = re.sub(r"[\s_]+", " ", name.strip().lower()).split(" ")
-    words[-1] = singular(words[-1])
+    drinking = words[-1] == "glasses" and words[-2:-1] and words[-2] in DRINKS
+    words[-1] = "glass" if drinking else singular(words[-1])
     text = " ".join(words)
     return SAME_NAME.get(text, text)
 
