@@ -22,6 +22,7 @@ WALL_M = 0.1
 TOP_M = 0.04
 FRONT_M = 0.018
 # Doors whose boxes overlap in iTHOR would coincide: each stands back by some steps of its own.
+BOARD_M = 0.02
 STEP_BACK_M, STEPS_BACK = 0.00015, 32
 FLOOR_COLORS: tuple[Rgb, ...] = ((0.62, 0.60, 0.56), (0.56, 0.40, 0.25), (0.70, 0.57, 0.41))
 WALL_COLORS: tuple[Rgb, ...] = (
@@ -228,6 +229,12 @@ def make_fitting(layout: RoomLayout) -> Fitting:
 def flat_parts(item: LayoutObject, color: Rgb, room: Rect) -> tuple[Part, ...]:
     """Return a window, picture, mirror, switch or shelf: a frame with a pane, inside the room."""
     low, high = np.asarray(item.low_m, np.float64), np.asarray(item.high_m, np.float64)
+    if item.object_type == "Shelf":
+        # iTHOR's box is the room above the board: things stand on its bottom, inside it.
+        top = max(low[1], 0.005)
+        return (
+            box_part((low[0], max(top - BOARD_M, 0.001), low[2]), (high[0], top, high[2]), color),
+        )
     size = high - low
     axis = 0 if size[0] < size[2] else 2
     edges = (room.x_low, room.x_high) if axis == 0 else (room.z_low, room.z_high)

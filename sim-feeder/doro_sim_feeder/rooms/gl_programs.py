@@ -35,16 +35,18 @@ vec3 albedo_of(Part p) {
     ivec3 place = p.texture_place.xyz;  // offset, width, height
     ivec2 texel = ivec2(floor(fract(vec2(uv.x, 1.0 - uv.y)) * vec2(place.yz)));
     texel = min(texel, place.yz - 1);
-    vec3 color = unpackUnorm4x8(texels[place.x + texel.y * place.y + texel.x]).rgb;
+    vec3 color = unpackUnorm4x8(texels[place.x + texel.y * place.y + texel.x]).rgb
+        * p.color_gloss.rgb;
     float kind = p.exponent_kind_instance.y, tone = 1.0;
     if (kind == 1.0) {
         float ring = 55.0 * (point.x + 0.35 * point.y) + 3.0 * sin(7.0 * point.z + 3.0 * point.y)
             + 1.5 * sin(19.0 * point.z);
-        tone = 1.0 + 0.045 * sin(ring) + 0.035 * sin(2.7 * ring + 11.0 * point.z);
+        float paint = clamp(1.3 - 0.4 * (color.r + color.g + color.b), 0.2, 1.0);
+        tone = 1.0 + paint * (0.045 * sin(ring) + 0.035 * sin(2.7 * ring + 11.0 * point.z));
     } else if (kind == 2.0) {
         tone = 1.0 + 0.07 * sin(420.0 * (point.x + point.y)) * sin(420.0 * (point.z + point.y));
     }
-    return color * p.color_gloss.rgb * tone;
+    return color * tone;
 }
 
 // Share of the lamp that is seen from a point; the map holds six views of 90 degrees.
@@ -74,13 +76,14 @@ void main() {
     vec3 toward = normalize(lamp - point);
     float seen = dot(flat_normal, toward) <= 0.0 ? 0.0 : lit_share(point + flat_normal * 0.012);
     float lit = mix(shadow_light, 1.0, seen);
+    float shade = mix(0.35, 1.0, smoothstep(-0.1, 0.3, toward.y));  // shading.shade_of
     float head = clamp(-dot(n, view), 0.0, 1.0);
     vec3 light = ambient_color * (ambient + sky * n.y + side * n.x + head_light * head
         + bounce * clamp(-n.y, 0.0, 1.0));
-    light += lamp_color * lamp_light * clamp(dot(n, toward), 0.0, 1.0) * lit;
+    light += lamp_color * lamp_light * clamp(dot(n, toward), 0.0, 1.0) * lit * shade;
     float half_way = clamp(dot(n, normalize(toward - view)), 0.0, 1.0);
     float gloss = p.color_gloss.a
-        * (pow(half_way, p.exponent_kind_instance.x) * seen + 0.25 * pow(1.0 - head, 4.0));
+        * (pow(half_way, p.exponent_kind_instance.x) * seen * shade + 0.25 * pow(1.0 - head, 4.0));
     vec3 color = clamp((albedo_of(p) * light + gloss) * exposure, 0.0, 1.0);
     out_color = vec4(pow(color, vec3(gamma)), 1.0);
     out_instance = int(p.exponent_kind_instance.z);

@@ -17,6 +17,7 @@ import msgspec
 
 from doro_schemas.errors import Refused
 
+LEVEL_M = 0.01
 FIRST_ROOM = {"kitchens": 1, "living_rooms": 201, "bedrooms": 301, "bathrooms": 401}
 ROOMS_PER_KIND = 30
 Vector = tuple[float, float, float]
@@ -133,7 +134,10 @@ def room_names(kind: str) -> list[str]:
 
 
 def load_layout(name: str) -> RoomLayout:
-    """Return the layout of an iTHOR room.
+    """Return the layout of an iTHOR room, its floor at y = 0.
+
+    Some of iTHOR's floors lie higher (22 cm in FloorPlan3, 10 cm in FloorPlan221); what stands
+    in those rooms comes down with them.
 
     Args:
         name: ``FloorPlan1``-``30`` kitchens, ``201``-``230`` living rooms, ``301``-``330``
@@ -148,10 +152,25 @@ def load_layout(name: str) -> RoomLayout:
         index = number - first
         if 0 <= index < ROOMS_PER_KIND:
             objects = msgspec.json.decode(_all_rooms()[kind][index], type=list[_Object])
-            return RoomLayout(name, kind, tuple(_typed(item) for item in objects))
+            return RoomLayout(name, kind, _on_the_floor([_typed(item) for item in objects]))
     raise Refused(
         f"there is no room '{name}': use FloorPlan1-30 (kitchens), 201-230 (living rooms),"
         " 301-330 (bedrooms) or 401-430 (bathrooms)"
+    )
+
+
+def _on_the_floor(objects: list[LayoutObject]) -> tuple[LayoutObject, ...]:
+    """Return the objects with the floor's surface at y = 0, where it was elsewhere."""
+    level_m = max((item.high_m[1] for item in objects if item.object_type == "Floor"), default=0)
+    if abs(level_m) < LEVEL_M:
+        return tuple(objects)
+
+    def moved(at: Vector) -> Vector:
+        return (at[0], at[1] - level_m, at[2])
+
+    return tuple(
+        msgspec.structs.replace(item, low_m=moved(item.low_m), high_m=moved(item.high_m))
+        for item in objects
     )
 
 

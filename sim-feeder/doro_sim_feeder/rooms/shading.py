@@ -14,6 +14,7 @@ from doro_sim_feeder.rooms.raycast import Hits, RayCaster, Soup
 
 SHADOW_BIAS_M = 0.006
 LAMP_RADIUS_M = 0.16
+SHADE = 0.35
 # (strength, exponent) of the highlight of each material.
 GLOSS = {
     "metal": (0.45, 24.0),
@@ -106,7 +107,7 @@ class Shader:
         )
         to_lamp = lamp.astype(np.float32) - point
         toward = unit(to_lamp)
-        facing_lamp = np.clip((normal * toward).sum(axis=1), 0, 1)
+        facing_lamp = np.clip((normal * toward).sum(axis=1), 0, 1) * shade_of(toward[:, 1])
         shadow = self._caster.occluded(point + flat * SHADOW_BIAS_M, to_lamp)
         lit = np.where(shadow | ((flat * toward).sum(axis=1) <= 0), use.shadow, 1.0)
         head = np.clip(-(normal * view).sum(axis=1), 0, 1)
@@ -116,7 +117,8 @@ class Shader:
         light += (use.lamp * facing_lamp * lit)[:, None] * np.asarray(use.lamp_color, np.float32)
         half = np.clip((normal * unit(toward - view)).sum(axis=1), 0, 1)
         strength, exponent = self._gloss[part].T
-        highlight = strength * (half**exponent * (lit > 0.5) + 0.25 * (1 - head) ** 4)
+        shine = half**exponent * (lit > 0.5) * shade_of(toward[:, 1])
+        highlight = strength * (shine + 0.25 * (1 - head) ** 4)
         color = np.clip((albedo * light + highlight[:, None]) * use.exposure, 0, 1) ** use.gamma
         return np.where((hits.face >= 0)[:, None], color, 0).astype(np.float32)
 
@@ -130,11 +132,27 @@ class Shader:
         albedo = atlas.texels[atlas.offset[part] + row * width + column] * atlas.color[part]
         tone = np.ones(len(part), np.float32)
         wood = self._wood[part]
-        tone[wood] = _grain(point[wood])
+        tone[wood] = 1 + (_grain(point[wood]) - 1) * paint_of(albedo[wood])
         fabric = self._fabric[part]
         tone[fabric] = _weave(point[fabric])
         shaded: NDArray[np.float32] = albedo * tone[:, None]
         return shaded
+
+
+def shade_of(up: NDArray[Any]) -> NDArray[Any]:
+    """Return the share of the lamp's light by the height of its direction, (n,) -1..1.
+
+    The lamp has a shade above it: the ceiling gets a third, else a white spot burns there.
+    """
+    share = np.clip((up + 0.1) / 0.4, 0, 1)
+    shade: NDArray[Any] = SHADE + (1 - SHADE) * share * share * (3 - 2 * share)
+    return shade
+
+
+def paint_of(albedo: NDArray[Any]) -> NDArray[Any]:
+    """Return how far the grain of wood of a colour (n, 3) is seen: on light paint, little."""
+    seen: NDArray[Any] = np.clip(1.3 - 1.2 * albedo.mean(axis=1), 0.2, 1)
+    return seen
 
 
 def _face_normals(vertices: NDArray[Any], corners: NDArray[Any]) -> NDArray[Any]:
