@@ -54,6 +54,7 @@ def make_set(
 
     A recording that is there and whole is not made again.
     """
+    from doro_console.references import write_references
     from doro_sim_feeder.rooms.evaluation_set import plan_set, select
     from doro_sim_feeder.rooms.make_set import Render, make_set, write_manifest
 
@@ -73,12 +74,13 @@ def make_set(
                     f"{one.row.name}: {lost.object_type} {lost.name} left out: {lost.reason}",
                     markup=False,
                 )
+    sentences = sum(write_references(out, one.truth) for one in made)
     manifest = write_manifest(plan, made, folder, seed)
     again = sum(one.again for one in made)
     views_made = sum(one.truth.views for one in made)
     talk.print(
         f"{len(made)} recordings, {again} made now, {views_made} views,"
-        f" {sum(one.truth.size_bytes for one in made) / 1e9:.3f} GB,"
+        f" {sum(one.truth.size_bytes for one in made) / 1e9:.3f} GB, {sentences} instructions,"
         f" {time.monotonic() - started:.1f} s",
         markup=False,
     )
