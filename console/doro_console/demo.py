@@ -64,7 +64,8 @@ def run_demo(common: Common, settings: DemoSettings) -> list[Query]:
                 raise Refused(f"{refused.reason}\n{processes.logs()}".strip()) from refused
     more = f" to map-{len(queries)}.png" if len(queries) > 1 else ""
     talk.print(f"\nmap:    {settings.out / 'map.png'}{more}")
-    talk.print(f"replay: {settings.out / 'demo.rrd'} (open it with: .venv/bin/rerun {settings.out}/demo.rrd)")
+    rrd = settings.out / "demo.rrd"
+    talk.print(f"replay: {rrd} (open it with: .venv/bin/rerun {rrd})")
     return queries
 
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
+import msgspec
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from doro_console.options import Common, common_options, says_refusals, talk
@@ -16,67 +17,84 @@ from doro_schemas.errors import Refused
 
 if TYPE_CHECKING:
     from doro_schemas.bus import Bus
-    from doro_sim_feeder.play import PlaySettings
+    from doro_sim_feeder.play import PlayReport, PlaySettings
     from doro_sim_feeder.recording import Recording
 
 
 @click.command()
 @click.argument("recording", type=click.Path(path_type=Path))
 @click.option("--speed", default=0.0, help="0: as fast as the chain takes it; 1: real time.")
+@click.option("--from", "from_s", default=0.0, help="Start so many seconds in.")
+@click.option("--to", "to_s", default=float("inf"), help="End so many seconds in.")
+@click.option("--topic", "topics", multiple=True, help="Only these topics, by name.")
+@click.option("--loop", default=1, show_default=True, help="Play so many times; 0: for ever.")
 @click.option("--info", is_flag=True, help="Only say what the recording holds (JSON).")
 @click.option("--salvage", is_flag=True, help="Play what is whole in a file that was cut off.")
+@click.option("--repair", is_flag=True, help="Put frames in order, leave out incomplete ones.")
 @click.option("--wait", "wait_s", default=10.0, show_default=True, help="Seconds for services.")
 @common_options
 @says_refusals
-def play(
-    common: Common, recording: Path, speed: float, info: bool, salvage: bool, wait_s: float
-) -> None:
+def play(common: Common, recording: Path, **options: Any) -> None:
     """Play a recording to the running services as if it were the robot."""
-    from doro_sim_feeder.play import PlaySettings
     from doro_sim_feeder.recording import Recording, describe
 
-    if info:
+    if options["info"]:
         click.echo(json.dumps(describe(Recording(recording, salvage=True))))
         return
     with common.bus("feeder") as bus:
         bus.stop_on_signals()
         try:
-            opened = Recording(recording, salvage=salvage)
+            opened = Recording(recording, salvage=options["salvage"])
+            reports = _play_all(bus, opened, _play_settings(options), options)
         except Refused as refused:
             bus.reject(str(recording.name), refused)
             raise
-        _play_with_progress(bus, opened, PlaySettings(speed=speed), wait_s)
+    if any(report.lost or report.merged < report.frames for report in reports):
+        sys.exit(2)
 
 
-def _play_with_progress(bus: Bus, opened: Recording, settings: PlaySettings, wait_s: float) -> None:
-    from doro_schemas.messages import GridRequest, GridSnapshot
+def _play_settings(options: dict[str, Any]) -> PlaySettings:
+    from doro_schemas.topics import TOPICS
+    from doro_sim_feeder.play import PlaySettings
+    from doro_sim_feeder.steps import INPUT_TOPICS, Cut
+
+    unknown = sorted(set(options["topics"]) - set(TOPICS))
+    if unknown:
+        raise Refused(f"no topic '{unknown[0]}' to play; known are {', '.join(TOPICS)}")
+    cut = Cut(
+        topics=options["topics"] or INPUT_TOPICS, from_s=options["from_s"], to_s=options["to_s"]
+    )
+    return PlaySettings(speed=options["speed"], cut=cut, repair=options["repair"])
+
+
+def _play_all(
+    bus: Bus, opened: Recording, settings: PlaySettings, options: dict[str, Any]
+) -> list[PlayReport]:
+    """Play as often as asked; print a JSON line each time."""
     from doro_sim_feeder.play import Player
     from doro_sim_feeder.presence import Presence
 
-    Presence(bus).wait_for(NEEDED, wait_s)
+    Presence(bus).wait_for(NEEDED, options["wait_s"])
     total = sum(n for key, n in opened.counts.items() if key.endswith("/depth")) or None
     columns = (TextColumn("playing"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    reports: list[PlayReport] = []
     with Progress(*columns, console=talk, transient=True) as progress:
         task = progress.add_task("frames", total=total)
         player = Player(bus, settings, lambda sent, _: progress.update(task, completed=sent))
-        report = player.play(opened)
+        while not bus.stopping and (options["loop"] == 0 or len(reports) < options["loop"]):
+            reports = [*reports[-1000:], player.play(opened)]
+            _print_report(bus, reports[-1])
+    return reports
+
+
+def _print_report(bus: Bus, report: PlayReport) -> None:
+    from doro_schemas.messages import GridRequest, GridSnapshot
+
     snapshot = bus.ask(GridRequest())
     digest = snapshot.digest if isinstance(snapshot, GridSnapshot) else ""
-    click.echo(
-        json.dumps(
-            {
-                "episode": report.episode,
-                "frames": report.frames,
-                "merged": report.merged,
-                "refused": report.refused,
-                "lost": report.lost,
-                "elapsed_s": round(report.elapsed_s, 3),
-                "map_digest": digest,
-            }
-        )
-    )
-    if report.lost or report.merged < report.frames:
-        sys.exit(2)
+    fields = {**msgspec.structs.asdict(report), "map_digest": digest}
+    rounded = {k: round(v, 3) if isinstance(v, float) else v for k, v in fields.items()}
+    click.echo(json.dumps(rounded))
 
 
 @click.command()

@@ -110,7 +110,7 @@ TABLE: tuple[Topic, ...] = (
     Topic("graphs", "doro/graphs", (m.FrameGraphs,), Delivery.EVERY,
           "nlu", "mapper", late=16),
     Topic("grid_delta", "doro/grid/delta", (m.GridDelta,), Delivery.EVERY,
-          "mapper", "dialogue, feeder, viewers"),
+          "mapper", "dialogue, feeder, viewers", late=1),
     Topic("grid", "doro/grid", (m.GridRequest, m.GridSnapshot), Delivery.QUERY,
           "anyone", "mapper", kind="queryable"),
     Topic("instances", "doro/instances", (m.InstancesRequest, m.Instances), Delivery.QUERY,

@@ -10,8 +10,8 @@ import msgspec
 from doro_schemas import codec
 from doro_schemas.detector_errors import ErrorModels, FalsePositivePool, disturb, pool_of
 from doro_schemas.messages import SimDetections
-from doro_sim_feeder.play import Step
 from doro_sim_feeder.recording import Recording, Sample
+from doro_sim_feeder.steps import Step
 
 
 def disturbed(

@@ -8,20 +8,17 @@ the processes are scheduled. Real-time playing follows the stamps.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
-from typing import Literal
+from collections.abc import Callable
 
 import msgspec
 
-from doro_schemas import codec
 from doro_schemas.bus import Bus
 from doro_schemas.errors import Refused
-from doro_schemas.messages import Exploration, GridDelta, Rejected
-from doro_schemas.messages.base import FrameMessage, Message
+from doro_schemas.messages import GridDelta, Rejected
+from doro_schemas.messages.base import Message
 from doro_schemas.topics import TOPICS
-from doro_sim_feeder.recording import Recording, Sample
-
-INPUT_TOPICS = ("exploration", "color", "depth", "sim_detections")
+from doro_sim_feeder.recording import Recording
+from doro_sim_feeder.steps import Cut, Step, checked_steps
 
 
 class PlaySettings(msgspec.Struct, frozen=True, kw_only=True):
@@ -31,17 +28,23 @@ class PlaySettings(msgspec.Struct, frozen=True, kw_only=True):
         speed: 0 = as fast as the chain takes it without loss; 1 = real time; 2 = twice.
         window: frames under way at most, when lossless.
         ack_timeout_s: a frame that nobody merged within it counts as lost.
-        topics: names of the topics to play.
+        cut: which topics and which span of time.
+        repair: play a recording with problems as far as it can be put right.
     """
 
     speed: float = 0.0
     window: int = 8
     ack_timeout_s: float = 10.0
-    topics: tuple[str, ...] = INPUT_TOPICS
+    cut: Cut = Cut()
+    repair: bool = False
 
 
 class PlayReport(msgspec.Struct, kw_only=True):
-    """What came of a play."""
+    """What came of a play.
+
+    Attributes:
+        pacing_p95_ms: how late a step was sent, 95th percentile; -1 where not by the clock.
+    """
 
     episode: str = ""
     frames: int = 0
@@ -49,45 +52,7 @@ class PlayReport(msgspec.Struct, kw_only=True):
     refused: int = 0
     lost: int = 0
     elapsed_s: float = 0.0
-
-
-class Step(msgspec.Struct, frozen=True):
-    """Samples that belong together: a frame, or one message of another kind."""
-
-    kind: Literal["frame", "started", "finished", "other"]
-    frame: int
-    camera: str
-    episode: str
-    samples: list[Sample]
-
-
-def steps(recording: Recording, topics: tuple[str, ...]) -> Iterator[Step]:
-    """Group a recording's samples into steps, in order.
-
-    Raises:
-        Refused: a sample does not fit, or frames of two episodes are mixed.
-    """
-    episode = ""
-    pending: list[Sample] = []
-    current: tuple[str, int] | None = None
-    for sample in recording.samples():
-        if sample.topic.name not in topics:
-            continue
-        message = _decoded(sample, recording)
-        if isinstance(message, FrameMessage) and (message.camera, message.frame) == current:
-            pending.append(sample)
-            continue
-        if pending and current is not None:
-            yield Step("frame", current[1], current[0], episode, pending)
-            pending, current = [], None
-        if isinstance(message, FrameMessage):
-            current, episode, pending = (message.camera, message.frame), message.episode, [sample]
-        elif isinstance(message, Exploration):
-            yield Step(message.state, -1, "", message.episode, [sample])
-        else:
-            yield Step("other", -1, "", message.episode, [sample])
-    if pending and current is not None:
-        yield Step("frame", current[1], current[0], episode, pending)
+    pacing_p95_ms: float = -1.0
 
 
 class Player:
@@ -120,19 +85,26 @@ class Player:
         Raises:
             Refused: the recording does not fit, or nobody maps.
         """
-        started_s = time.monotonic()
+        self._report = PlayReport()
+        self._under_way.clear()
+        started_s = begun_s = time.monotonic()
         first_stamp_ns: int | None = None
-        for step in steps(recording, self._settings.topics):
+        late_ms: list[float] = []
+        for step in checked_steps(recording, self._settings.cut, repair=self._settings.repair):
             if self._bus.stopping:
                 break
-            stamp_ns = step.samples[0].stamp_ns
-            first_stamp_ns = stamp_ns if first_stamp_ns is None else first_stamp_ns
             if self._settings.speed > 0:
-                due_s = (stamp_ns - first_stamp_ns) / 1e9 / self._settings.speed
-                self._bus.run_until(started_s + due_s)
+                if step.kind == "frame" and first_stamp_ns is None:
+                    first_stamp_ns, started_s = step.stamp_ns, time.monotonic()
+                since_ns = step.stamp_ns - (first_stamp_ns or step.stamp_ns)
+                due_s = started_s + since_ns / 1e9 / self._settings.speed
+                self._bus.run_until(due_s)
+                late_ms.append((time.monotonic() - due_s) * 1e3)
             self._play_step(step)
         self._drain(0)
-        self._report.elapsed_s = time.monotonic() - started_s
+        if late_ms:
+            self._report.pacing_p95_ms = sorted(late_ms)[int(len(late_ms) * 0.95)]
+        self._report.elapsed_s = time.monotonic() - begun_s
         return self._report
 
     def _play_step(self, step: Step) -> None:
@@ -192,18 +164,8 @@ class Player:
         """A refused frame will never be merged: do not wait for it."""
         if not isinstance(message, Rejected) or message.frame < 0:
             return
+        if message.episode not in ("", self._episode):
+            return
         for name in [name for name in self._under_way if name[1] == message.frame]:
             del self._under_way[name]
             self._report.refused += 1
-
-
-def _decoded(sample: Sample, recording: Recording) -> Message:
-    """Return what a sample is, for grouping; one that is refused is still played as it is."""
-    try:
-        return codec.decode(sample.payload, sample.encoding, sample.topic.messages)
-    except Refused as refused:
-        if refused.frame >= 0:
-            return FrameMessage(
-                frame=refused.frame, episode=refused.episode, height_px=1, width_px=1
-            )
-        raise Refused(f"recording {recording.path.name}: {refused.reason}") from refused

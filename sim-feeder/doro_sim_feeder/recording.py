@@ -58,7 +58,8 @@ class Recorder:
     """
 
     def __init__(self, path: Path, metadata: dict[str, str] | None = None) -> None:
-        self._stream = path.open("wb")
+        # Unbuffered: a chunk that is written is in the file, whatever happens to the process.
+        self._stream = path.open("wb", buffering=0)
         self._writer = Writer(self._stream, CHUNK_BYTES, CompressionType.ZSTD)
         self._writer.start(profile=PROFILE, library="doro-sim-feeder")
         self._writer.add_metadata(METADATA, {"format": FORMAT, **(metadata or {})})

@@ -62,16 +62,18 @@ def declare_subscriber(
 ) -> list[Any]:
     """Declare a subscriber by the topic's policy; return what must be kept and undeclared.
 
+    A subscriber that is to take nothing from the past is a plain one: an advanced one without
+    history counts all that the publisher ever sent as missed at the first heartbeat, and
+    fetches the whole cache.
+
     Args:
         arrived: called on Zenoh's thread; must only hand the sample on.
         late: past samples to take, where the policy keeps any.
         missed: called with the number of samples that were lost for good.
     """
-    if not POLICIES[topic.delivery].cache:
+    if not POLICIES[topic.delivery].cache or late == 0:
         return [session.declare_subscriber(topic.pattern, arrived)]
-    history = (
-        zenoh.ext.HistoryConfig(detect_late_publishers=True, max_samples=late) if late else None
-    )
+    history = zenoh.ext.HistoryConfig(detect_late_publishers=True, max_samples=late)
     subscriber = zenoh.ext.declare_advanced_subscriber(
         session,
         topic.pattern,
