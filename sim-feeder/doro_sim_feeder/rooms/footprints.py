@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -181,18 +182,22 @@ def reachable_cells(
     return cells[component.ravel()]
 
 
+def largest_part(cells: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the largest connected part (4 neighbours) of cells on the grid, sorted as given."""
+    if not len(cells):
+        return cells
+    index = np.rint(cells / CELL_M).astype(np.int64)
+    index -= index.min(axis=0)
+    grid = np.zeros(tuple(index.max(axis=0) + 1), bool)
+    grid[index[:, 0], index[:, 1]] = True
+    return cells[_largest_component(grid)[index[:, 0], index[:, 1]]]
+
+
 def _largest_component(free: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    label = np.where(free, np.arange(1, free.size + 1).reshape(free.shape), 0)
-    while True:  # every cell takes the largest label around it until nothing changes
-        padded = np.pad(label, 1)
-        around = [padded[2:, 1:-1], padded[:-2, 1:-1], padded[1:-1, 2:], padded[1:-1, :-2]]
-        spread = np.where(free, np.maximum.reduce([label, *around]), 0)
-        if np.array_equal(spread, label):
-            break
-        label = spread
-    if not free.any():
+    """Return the largest component; of equal ones the one that comes first in the grid."""
+    _, label, stats, _ = cv2.connectedComponentsWithStats(free.astype(np.uint8), connectivity=4)
+    areas = stats[1:, cv2.CC_STAT_AREA]
+    if not len(areas):
         return free
-    counts = np.bincount(label.ravel())
-    counts[0] = 0
-    result: NDArray[np.bool_] = label == int(counts.argmax())
+    result: NDArray[np.bool_] = label == 1 + int(areas.argmax())
     return result

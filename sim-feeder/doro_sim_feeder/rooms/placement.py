@@ -19,9 +19,9 @@ from doro_sim_feeder.rooms.places import (
     SOFT,
     Candidates,
     draw_places,
-    passable,
     room_for,
     seen_from,
+    still_reached,
     surface_heights,
     turned_size_m,
 )
@@ -39,6 +39,7 @@ STACK_TRIES = 12
 STACK_SLIP_M = 0.012
 MAX_STACK = 4
 FEW_CELLS = 3
+PASSABLE_SHARE = 0.7
 ON_FLOOR = frozenset(
     """Chair Stool ArmChair Sofa FloorLamp SideTable CoffeeTable DiningTable Desk HousePlant Box
     GarbageCan TVStand Dresser LaundryHamper""".split()  # noqa: SIM905
@@ -82,6 +83,7 @@ class _Spawner:
     rng: np.random.Generator
     size_m: Vector
     caster: RayCaster
+    cells: NDArray[np.float64]
     made: list[Instance] = field(default_factory=list)
     tally: Counter[str] = field(default_factory=Counter)
 
@@ -162,12 +164,16 @@ class _Spawner:
         if not room_for(center, turned_size_m(copy.shape, yaw_deg), self.scene, self.made):
             self.tally["something else stands there"] += 1
             return None
+        if copy.on_floor:
+            left = still_reached(self.cells, turned_size_m(copy.shape, yaw_deg), center)
+            if len(left) < PASSABLE_SHARE * len(self.scene.cells):
+                self.tally["it would block the way"] += 1
+                return None
         position = self._at_rest(place(copy.shape, yaw_deg, center), center)
         if position is None:
             return None
-        if copy.on_floor and not passable(self.scene, place(copy.shape, yaw_deg, position)):
-            self.tally["it would block the way"] += 1
-            return None
+        if copy.on_floor:
+            self.cells = left
         return _Place(position, yaw_deg, self.scene.instances[candidates.support[k]].object_id)
 
     def _at_rest(self, parts: tuple[Part, ...], position: NDArray[np.float64]) -> Vector | None:
@@ -235,7 +241,7 @@ def place_copies(scene: Scene, spec: CopySpec, seed: int) -> Spawned:
     """
     rng = np.random.default_rng([seed, stable_number(f"{scene.name}|{spec.object_type}")])
     size = _size_of(scene, spec.object_type)
-    spawner = _Spawner(scene, rng, size, scene.caster())
+    spawner = _Spawner(scene, rng, size, scene.caster(), scene.cells)
     missing = [spawner.spawn(wish, k) for k, wish in enumerate(wishes(spec, rng))]
     return Spawned(
         scene.with_instances(spawner.made), tuple(item for item in missing if item is not None)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from doro_sim_feeder.rooms.footprints import AGENT_RADIUS_M, Rect, largest_part
 from doro_sim_feeder.rooms.instances import BACKGROUND, Instance
 from doro_sim_feeder.rooms.parts import Part, bounds, yaw_matrix
 from doro_sim_feeder.rooms.raycast import RayCaster
@@ -122,7 +123,14 @@ def seen_from(scene: Scene, caster: RayCaster, middle_m: NDArray[np.float64]) ->
     return int((near & ~caster.occluded(eyes, rays, reach=0.97)).sum())
 
 
-def passable(scene: Scene, placed: tuple[Part, ...]) -> bool:
-    """Tell whether the agent still gets to most of the room around a thing on the floor."""
-    blocked = Instance("", "Box", placed)
-    return len(scene.with_instances([blocked]).cells) >= 0.7 * len(scene.cells)
+def still_reached(
+    cells: NDArray[np.float64], size_m: NDArray[np.float64], center: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the cells that stay reachable with a box of this size on the floor."""
+    blocked = Rect(
+        center[0] - size_m[0] / 2,
+        center[0] + size_m[0] / 2,
+        center[2] - size_m[2] / 2,
+        center[2] + size_m[2] / 2,
+    )
+    return largest_part(cells[blocked.distance_m(cells) >= AGENT_RADIUS_M])
