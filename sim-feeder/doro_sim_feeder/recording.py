@@ -58,8 +58,7 @@ class Recorder:
     """
 
     def __init__(self, path: Path, metadata: dict[str, str] | None = None) -> None:
-        # Unbuffered: a chunk that is written is in the file, whatever happens to the process.
-        self._stream = path.open("wb", buffering=0)
+        self._stream = path.open("wb")
         self._writer = Writer(self._stream, CHUNK_BYTES, CompressionType.ZSTD)
         self._writer.start(profile=PROFILE, library="doro-sim-feeder")
         self._writer.add_metadata(METADATA, {"format": FORMAT, **(metadata or {})})
@@ -88,6 +87,9 @@ class Recorder:
         """Append a payload as it came off the bus."""
         channel = self._channel(key, encoding)
         self._writer.add_message(channel, stamp_ns, payload, stamp_ns, self.count)
+        # A chunk that is written is in the file, whatever happens to the process. (mcap wraps an
+        # unbuffered stream in a buffer of its own that nobody flushes: the file stays empty.)
+        self._stream.flush()
         self.count += 1
 
     def close(self) -> None:
