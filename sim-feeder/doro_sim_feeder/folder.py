@@ -63,6 +63,10 @@ class FrameFolder:
         """Names of the walks in the folder, in order."""
         return list(dict.fromkeys(str(frame.get("task", "")) for frame in self._frames))
 
+    def metadata(self, tasks: list[str]) -> dict[str, str]:
+        """Return what a recording of these walks says about itself."""
+        return {"source": "folder", "room": self.path.name, "walks": ", ".join(tasks)}
+
     def intrinsics(self) -> Intrinsics:
         """Return the camera's intrinsics."""
         fov_deg = float(self._index.get("fov_vertical_deg", 90.0))

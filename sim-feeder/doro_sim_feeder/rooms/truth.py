@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Protocol
+
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +19,20 @@ NEAR_LANDMARKS = 2
 LANDMARK_SIDE_M = 0.3
 # Too many of a kind in a room, or too small, to say where something is.
 NO_LANDMARK = BACKGROUND | ON_WALLS | {"Cabinet", "Drawer", "StoveBurner", "StoveKnob", "Faucet"}
+
+
+class Thing(Protocol):
+    """What the rule of the relations needs to know of an object, rendered or simulated."""
+
+    @property
+    def object_id(self) -> str: ...
+    @property
+    def object_type(self) -> str: ...
+    @property
+    def receptacles(self) -> tuple[str, ...]: ...
+    @property
+    def pickupable(self) -> bool: ...
+    def attributes(self) -> dict[str, str]: ...
 
 
 class TrueRelation(msgspec.Struct, frozen=True):
@@ -61,7 +78,7 @@ def true_instances(instances: tuple[Instance, ...], views: dict[int, int]) -> li
             center_m=_rounded(boxes[k].center_m),
             size_m=_rounded(boxes[k].size_m),
             receptacle=item.receptacles[0] if item.receptacles else "",
-            relations=_relations(k, instances, boxes),
+            relations=relations_of(k, instances, boxes),
             views=views.get(k + 1, 0),
             copy=item.copy,
         )
@@ -75,10 +92,15 @@ def _rounded(ground: tuple[float, float, float]) -> list[float]:
     return [round(ground[0], 4), round(ground[2], 4), round(ground[1], 4)]
 
 
-def _relations(
-    number: int, instances: tuple[Instance, ...], boxes: list[Box3]
+def relations_of(
+    number: int, instances: Sequence[Thing], boxes: Sequence[Box3]
 ) -> list[TrueRelation]:
-    """Return what holds the thing (on, else in), and up to two landmarks near it."""
+    """Return what holds a thing (on, else in), and up to two landmarks near it.
+
+    Args:
+        number: index of the thing.
+        boxes: of all things, (ground, ground, up).
+    """
     item, box = instances[number], boxes[number]
     holders: list[tuple[bool, float, float, int, str]] = []
     near: list[tuple[float, int, str]] = []
@@ -103,7 +125,7 @@ def _relations(
     return [_relation(relation, instances[k]) for k, relation in chosen]
 
 
-def _relation(relation: str, landmark: Instance) -> TrueRelation:
+def _relation(relation: str, landmark: Thing) -> TrueRelation:
     return TrueRelation(relation, landmark.object_id, landmark.object_type, landmark.attributes())
 
 
