@@ -23,8 +23,8 @@ from doro_schemas.errors import Refused
 from doro_schemas.messages import FrameCaptions, SimDetection, SimDetections
 from doro_schemas.settings import load_settings
 from doro_sim_feeder.disturb import disturbed, pool_from_recordings
-from doro_sim_feeder.play import INPUT_TOPICS, steps
 from doro_sim_feeder.recording import Recording, write_recording
+from doro_sim_feeder.steps import INPUT_TOPICS, steps
 
 FRAMES, PER_FRAME = 400, 25
 SIDE_PX = 300
