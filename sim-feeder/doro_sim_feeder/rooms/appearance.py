@@ -110,11 +110,22 @@ USUAL_MATERIALS = {
     "paper": "Book Newspaper Box TissueBox PaperTowelRoll Poster Painting",
     "stone": "CounterTop",
 }
+# What copies of a class are made of, in turn; other classes are of their usual material.
 COPY_MATERIALS = {
     "Cup": ("plastic", "glass"),
     "Bottle": ("glass", "plastic"),
     "Bowl": ("ceramic", "plastic"),
     "Vase": ("ceramic", "glass"),
+    "Plate": ("ceramic", "plastic"),
+    "Mug": ("ceramic", "metal"),
+    "Statue": ("ceramic", "metal", "stone"),
+    "Box": ("paper", "plastic"),
+    "DeskLamp": ("metal", "plastic"),
+    "Chair": ("wood", "plastic", "metal"),
+    "Stool": ("wood", "metal"),
+    "SideTable": ("wood", "metal"),
+    "ArmChair": ("fabric", "leather"),
+    "Sofa": ("fabric", "leather"),
 }
 
 
