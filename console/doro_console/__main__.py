@@ -13,6 +13,7 @@ from rich.console import Console
 from doro_console.media import import_folder, play, record
 from doro_console.options import Common, common_options, says_refusals, talk
 from doro_console.rooms import rooms
+from doro_console.sheets import sheet
 
 SENTENCES = (
     "bring me the red cup",
@@ -170,8 +171,20 @@ def bench_bus(json_path: Path | None, count: int) -> None:
     run_bench_bus(json_path, count)
 
 
+@bench.command("play")
+@click.option("--json", "json_path", type=click.Path(path_type=Path, dir_okay=False))
+@click.option("--paced", default=60, show_default=True, help="Frames of the real-time play.")
+@says_refusals
+def bench_play(json_path: Path | None, paced: int) -> None:
+    """167 frames of 300x300 through the bus with nothing else limiting, and the pacing."""
+    from doro_console.bench import run_bench_play
+
+    run_bench_play(json_path, paced)
+
+
 for command in (play, record, import_folder, rooms):
     main.add_command(command)
+rooms.add_command(sheet)
 
 if __name__ == "__main__":
     main()

@@ -1,8 +1,9 @@
-"""``doro bench bus``: runs the bus's benchmark and shows its figures."""
+"""``doro bench``: runs the benchmarks of bus and player and shows their figures."""
 
 from __future__ import annotations
 
 import json
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +11,18 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
-from doro_console.options import talk
+from doro_console.options import sample_recording, talk
+from doro_console.processes import free_port
 from doro_schemas.bus.bench import SERIES, WARM_UP, run_bench
+from doro_sim_feeder.bench import FRAMES
+from doro_sim_feeder.bench import run_bench as run_play
 
+PLAY_TARGETS = {
+    "speed/play/frames": str(FRAMES),
+    "speed/play/times_real_time": "> 20",
+    "speed/play/pacing_p95_ms": "< 5",
+    "speed/play/lost": "0",
+}
 TARGETS = {"1kB": "added < 100 us", "rgbd": "ratio < 1.15"}
 
 
@@ -24,16 +34,35 @@ def run_bench_bus(json_path: Path | None, count: int) -> None:
             count, lambda series, sent: progress.update(tasks[series], completed=sent)
         )
     Console().print(_table(figures))
-    if json_path is not None:
-        from importlib.metadata import version
+    _keep(json_path, figures, f"doro bench bus --count {count}")
 
-        report: dict[str, Any] = {
-            "figures": figures,
-            "command": f"doro bench bus --count {count}",
-            "seed": 0,
-            "version": version("doro-console"),
-        }
-        json_path.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+
+def run_bench_play(json_path: Path | None, paced_frames: int) -> None:
+    """Play 167 frames as fast as the bus takes them, then some in real time; print figures."""
+    with Progress(console=talk, transient=True) as progress, sample_recording() as sample:
+        task = progress.add_task("frames", total=FRAMES)
+        endpoint = f"tcp/127.0.0.1:{free_port()}"
+        figures = run_play(
+            sample, endpoint, paced_frames, lambda sent, _: progress.update(task, completed=sent)
+        )
+    table = Table("figure", "value", "wanted")
+    for name, wanted in PLAY_TARGETS.items():
+        table.add_row(name, str(figures[name]), wanted)
+    Console().print(table)
+    _keep(json_path, figures, f"doro bench play --paced {paced_frames}")
+
+
+def _keep(json_path: Path | None, figures: dict[str, Any], command: str) -> None:
+    """Write flat figures where asked."""
+    if json_path is None:
+        return
+    report: dict[str, Any] = {
+        "figures": figures,
+        "command": command,
+        "seed": 0,
+        "version": version("doro-console"),
+    }
+    json_path.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
 
 
 def _table(figures: dict[str, Any]) -> Table:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import time
 from contextlib import AbstractContextManager, nullcontext
-from importlib.resources import as_file, files
 from pathlib import Path
 
 import msgspec
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from doro_console.conversation import Conversation
-from doro_console.options import Common, talk
+from doro_console.options import Common, sample_recording, talk
 from doro_console.processes import SERVICES, Processes, free_port
 from doro_console.report import describe_graph, describe_query
 from doro_schemas.bus import Bus
@@ -26,7 +25,6 @@ from doro_sim_feeder.recording import Recording
 READY_TIMEOUT_S = 60.0
 QUERY_TIMEOUT_S = 30.0
 PICTURE_TIMEOUT_S = 15.0
-SAMPLE = "sample-kitchen.mcap"
 
 
 class DemoSettings(msgspec.Struct, frozen=True, kw_only=True):
@@ -154,4 +152,4 @@ def _play(bus: Bus, recording: Recording) -> PlayReport:
 def _recording(path: Path | None) -> AbstractContextManager[Path]:
     if path is not None:
         return nullcontext(path)
-    return as_file(files("doro_sim_feeder") / "data" / SAMPLE)
+    return sample_recording()

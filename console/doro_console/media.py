@@ -99,37 +99,64 @@ def _print_report(bus: Bus, report: PlayReport) -> None:
 
 @click.command()
 @click.option("--bus", "from_bus", is_flag=True, help="Record from the bus.")
+@click.option("--ai2thor", "room", metavar="ROOM", help="Explore a room of the real AI2-THOR.")
 @click.option("--out", type=click.Path(path_type=Path, dir_okay=False), required=True)
 @click.option("--seconds", type=float, help="Stop after so long; default: at Ctrl-C.")
 @click.option("--topic", "topics", multiple=True, help="Only these topics, by name.")
+@click.option("--seed", default=0, show_default=True, help="Of the exploration of --ai2thor.")
+@click.option("--views", type=int, help="So many observations; default: one per cell.")
+@click.option("--order", default="random", show_default=True, help="random or sweep.")
 @common_options
 @says_refusals
 def record(
-    common: Common, from_bus: bool, out: Path, seconds: float | None, topics: tuple[str, ...]
+    common: Common,
+    from_bus: bool,
+    room: str | None,
+    out: Path,
+    seconds: float | None,
+    topics: tuple[str, ...],
+    **exploration: Any,
 ) -> None:
-    """Record what passes on the bus into an MCAP file."""
-    from doro_sim_feeder.record import record_bus
+    """Record what passes on the bus, or an exploration of AI2-THOR, into an MCAP file."""
+    if from_bus == bool(room):
+        raise Refused("say where to record from: --bus, or --ai2thor FloorPlan1")
+    if room:
+        count = _record_simulator(room, out, exploration)
+    else:
+        from doro_sim_feeder.record import record_bus
 
-    if not from_bus:
-        raise Refused("say where to record from: --bus")
-    with common.bus("recorder") as bus:
-        bus.stop_on_signals()
-        count = record_bus(bus, out, topics, seconds=seconds)
+        with common.bus("recorder") as bus:
+            bus.stop_on_signals()
+            count = record_bus(bus, out, topics, seconds=seconds)
     talk.print(f"recorded {count} messages into {out}")
+
+
+def _record_simulator(room: str, out: Path, exploration: dict[str, Any]) -> int:
+    from doro_sim_feeder.recording import write_recording
+    from doro_sim_feeder.simulator import SimulatorSettings, explore, open_controller
+
+    settings = SimulatorSettings(room=room, **exploration)
+    controller = open_controller(settings)
+    try:
+        return write_recording(out, explore(controller, settings), settings.recording_metadata())
+    finally:
+        controller.stop()
 
 
 @click.command("import")
 @click.argument("folder", type=click.Path(path_type=Path, file_okay=False))
 @click.option("--out", type=click.Path(path_type=Path, dir_okay=False), required=True)
-@click.option("--walk", "walks", multiple=True, help="Only these walks of the folder.")
+@click.option("--walk", "walks", multiple=True, help="Only these walks or episodes of the folder.")
 @click.option("--episode", default="", help="Name of the episode; default: the folder's name.")
 @says_refusals
 def import_folder(folder: Path, out: Path, walks: tuple[str, ...], episode: str) -> None:
-    """Make a recording of a folder with colour, depth and poses (frames.json)."""
-    from doro_sim_feeder.folder import FrameFolder
+    """Make a recording of a folder: frames with poses (frames.json), or AI2-THOR events."""
     from doro_sim_feeder.recording import write_recording
+    from doro_sim_feeder.sources import open_folder
 
-    source = FrameFolder(folder)
-    metadata = {"source": "folder", "room": folder.name, "walks": ", ".join(walks)}
+    source = open_folder(folder)
+    metadata = source.metadata(list(walks))
     count = write_recording(out, source.messages(list(walks), episode), metadata)
     talk.print(f"{count} messages of {folder.name} in {out}")
+    if metadata.get("depth") == "none":
+        talk.print("The events have no depth: the recording serves perception, not the map.")

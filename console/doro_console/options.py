@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from functools import wraps
+from importlib.resources import as_file, files
 from pathlib import Path
 from typing import ParamSpec
 
@@ -17,6 +19,7 @@ from doro_schemas.errors import Refused
 from doro_schemas.settings import load_settings
 
 P = ParamSpec("P")
+SAMPLE = "sample-kitchen.mcap"
 talk = Console(stderr=True, highlight=False, soft_wrap=True)
 """Talk and progress go to stderr; outputs meant for programs go to stdout."""
 
@@ -35,6 +38,11 @@ class Common(msgspec.Struct, frozen=True):
     def bus(self, name: str, open_timeout_s: float = 2.0) -> Bus:
         """Return a bus that gives up quickly where no router runs."""
         return Bus(name, self.bus_settings(open_timeout_s=open_timeout_s))
+
+
+def sample_recording() -> AbstractContextManager[Path]:
+    """Return the sample room that comes with sim-feeder, as a file."""
+    return as_file(files("doro_sim_feeder") / "data" / SAMPLE)
 
 
 def deploy_folder() -> Path:

@@ -12,9 +12,10 @@ import pytest
 from doro_schemas import codec
 from doro_schemas.errors import Refused
 from doro_schemas.messages import ColorFrame, DepthFrame, Exploration
+from doro_schemas.messages.base import Message
 from doro_sim_feeder.folder import FrameFolder
-from doro_sim_feeder.play import INPUT_TOPICS, steps
 from doro_sim_feeder.recording import Recorder, Recording, describe, write_recording
+from doro_sim_feeder.steps import INPUT_TOPICS, Cut, checked_steps, problem_of, steps
 from tools.examples import examples
 
 
@@ -133,3 +134,84 @@ def test_steps_group_the_samples_of_a_frame(tmp_path: Path) -> None:
     assert [len(step.samples) for step in grouped] == [1, 2, 2, 2, 1]
     only_depth = list(steps(Recording(path), ("depth",)))
     assert [[s.topic.name for s in step.samples] for step in only_depth] == [["depth"]] * 3
+
+
+def frame_messages(numbers: list[int], *, episode: str = "e", depth: bool = True) -> list[Message]:
+    """Return colour and depth frames, 0.1 s apart by their number."""
+    out: list[Message] = []
+    for number in numbers:
+        common = {
+            "episode": episode,
+            "frame": number,
+            "stamp_ns": number * 100_000_000,
+            "height_px": 2,
+            "width_px": 2,
+        }
+        out.append(ColorFrame(**common, data=np.zeros((2, 2, 3), np.uint8)))
+        if depth:
+            template = next(one for one in examples() if isinstance(one, DepthFrame))
+            out.append(
+                DepthFrame(
+                    **common,
+                    intrinsics=template.intrinsics,
+                    pose=template.pose,
+                    data=np.ones((2, 2), np.float32),
+                )
+            )
+    return out
+
+
+def started(episode: str) -> Exploration:
+    return Exploration(state="started", episode=episode)
+
+
+def recording_of(path: Path, messages: list[Message]) -> Recording:
+    write_recording(path, messages)
+    return Recording(path)
+
+
+MIXED = [
+    started("a"),
+    *frame_messages([0], episode="a"),
+    *frame_messages([0], episode="b"),
+    *frame_messages([1], episode="a"),
+]
+BAD = {
+    "shuffled": ([started("e"), *frame_messages([0, 2, 1])], "out of order: frame 1", [0, 1, 2]),
+    "no depth": (
+        [started("e"), *frame_messages([0]), *frame_messages([1], depth=False)],
+        "frame 1 of cam0 has no depth",
+        [0],
+    ),
+    "mixed": (MIXED, "two rooms are mixed: frame 0 of cam0 is of 'b' inside 'a'", [0, 1, 0]),
+    "twice": ([started("e"), *frame_messages([0, 1, 0])], "out of order: frame 0", [0, 1]),
+}
+
+
+@pytest.mark.parametrize("name", sorted(BAD))
+def test_bad_recordings_are_refused_or_repaired(tmp_path: Path, name: str) -> None:
+    messages, words, repaired = BAD[name]
+    recording = recording_of(tmp_path / "bad.mcap", messages)
+    with pytest.raises(Refused, match=words) as caught:
+        checked_steps(recording, Cut())
+    assert "--repair" in caught.value.reason
+    given = list(checked_steps(recording, Cut(), repair=True))
+    assert [step.frame for step in given if step.kind == "frame"] == repaired
+    assert given[0].kind == "started"
+
+
+def test_two_rooms_one_after_the_other_are_fine(tmp_path: Path) -> None:
+    messages = [
+        *(started("a"), *frame_messages([0, 1], episode="a")),
+        *(started("b"), *frame_messages([0], episode="b")),
+    ]
+    assert problem_of(recording_of(tmp_path / "two.mcap", messages)) == ""
+
+
+def test_a_cut_keeps_the_start(tmp_path: Path) -> None:
+    recording = recording_of(tmp_path / "cut.mcap", [started("e"), *frame_messages([*range(10)])])
+    given = list(checked_steps(recording, Cut(from_s=0.25, to_s=0.55)))
+    assert [step.kind for step in given] == ["started", "frame", "frame", "frame"]
+    assert [step.frame for step in given[1:]] == [3, 4, 5]
+    depth = list(checked_steps(recording, Cut(topics=("exploration", "depth"))))
+    assert [step.topics for step in depth[1:]] == [frozenset({"depth"})] * 10
