@@ -64,7 +64,14 @@ class FrameFolder:
         return list(dict.fromkeys(str(frame.get("task", "")) for frame in self._frames))
 
     def metadata(self, tasks: list[str]) -> dict[str, str]:
-        """Return what a recording of these walks says about itself."""
+        """Return what a recording of these walks says about itself.
+
+        Raises:
+            Refused: an unknown walk.
+        """
+        unknown = sorted(set(tasks) - set(self.tasks))
+        if unknown:
+            raise Refused(f"{self.path.name} has no walk '{unknown[0]}'; it has {self.tasks}")
         return {"source": "folder", "room": self.path.name, "walks": ", ".join(tasks)}
 
     def intrinsics(self) -> Intrinsics:
@@ -82,9 +89,7 @@ class FrameFolder:
         Raises:
             Refused: an image is missing or has another size; an unknown walk.
         """
-        unknown = sorted(set(tasks or []) - set(self.tasks))
-        if unknown:
-            raise Refused(f"{self.path.name} has no walk '{unknown[0]}'; it has {self.tasks}")
+        self.metadata(tasks or [])  # refuses unknown walks
         name = episode or self.path.name
         chosen = [frame for frame in self._frames if not tasks or frame.get("task") in tasks]
         yield Exploration(state="started", stamp_ns=EPOCH_NS, episode=name, room=self.path.name)
