@@ -11,6 +11,7 @@ frames or on which other errors are on: each error draws from a stream of its ow
 from __future__ import annotations
 
 import hashlib
+import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Literal, get_args
@@ -24,6 +25,7 @@ from doro_schemas.messages import SimDetection, SimDetections
 ErrorName = Literal["cs", "sd", "fn", "fp"]
 ERROR_NAMES: tuple[ErrorName, ...] = get_args(ErrorName)
 FALSE_POSITIVE = "FalsePositive"
+THOR_ROOM = re.compile(r"FloorPlan(_[A-Za-z]+)?\d+(_\d+)?")
 
 
 class ErrorModels(msgspec.Struct, frozen=True, kw_only=True):
@@ -90,8 +92,12 @@ def parse_errors(text: str) -> tuple[ErrorName, ...]:
 
 
 def room_of(episode: str) -> str:
-    """Return the room of an episode: its name up to the first "-" ("FloorPlan19-seed3")."""
-    return episode.partition("-")[0]
+    """Return the room that an episode's name tells: "FloorPlan5" of "copies-FloorPlan5-Cup".
+
+    Where it has no iTHOR or RoboTHOR name in it, the part before the first "-" counts.
+    """
+    found = THOR_ROOM.search(episode)
+    return found.group() if found else episode.partition("-")[0]
 
 
 def disturb(

@@ -174,6 +174,10 @@ def test_names_of_errors_and_rooms():
     assert parse_errors("fn, cs,sd") == ("cs", "sd", "fn")
     assert parse_errors("") == ()
     assert room_of("FloorPlan19-seed3") == "FloorPlan19"
+    assert room_of("copies-FloorPlan5-Cup") == "FloorPlan5"
+    assert room_of("FloorPlan301_physics") == "FloorPlan301"
+    assert room_of("FloorPlan_Train1_2") == "FloorPlan_Train1_2"
+    assert room_of("kitchen-2") == "kitchen"
     with pytest.raises(Refused, match="'xs' is unknown"):
         parse_errors("cs,xs")
 
