@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 
@@ -57,7 +58,7 @@ def run_demo(common: Common, settings: DemoSettings) -> list[Query]:
         recording = Recording(path)
         with Processes(_arguments(common, settings, endpoint)) as processes:
             try:
-                queries = _converse(common, settings, endpoint, recording)
+                queries = _converse(common, settings, endpoint, recording, processes.failed)
             except Refused as refused:
                 raise Refused(f"{refused.reason}\n{processes.logs()}".strip()) from refused
     more = f" to map-{len(queries)}.png" if len(queries) > 1 else ""
@@ -81,13 +82,17 @@ def _arguments(common: Common, settings: DemoSettings, endpoint: str) -> list[st
 
 
 def _converse(
-    common: Common, settings: DemoSettings, endpoint: str, recording: Recording
+    common: Common,
+    settings: DemoSettings,
+    endpoint: str,
+    recording: Recording,
+    failed: Callable[[], bool],
 ) -> list[Query]:
     started_s = time.monotonic()
     bus = Bus("demo", common.bus_settings(endpoint=endpoint, open_timeout_s=READY_TIMEOUT_S))
     bus.stop_on_signals()
     with bus:
-        Presence(bus).wait_for(SERVICES, READY_TIMEOUT_S)
+        Presence(bus).wait_for(SERVICES, READY_TIMEOUT_S, failed)
         talk.print(
             f"[dim]router and {len(SERVICES)} services ready after"
             f" {time.monotonic() - started_s:.1f} s: {', '.join(SERVICES)}[/dim]"

@@ -103,10 +103,19 @@ class Processes:
                 self._process.wait()
         self._folder.cleanup()
 
+    def failed(self) -> bool:
+        """Tell whether supervisord has given a service up, or has itself ended."""
+        log = self.run_folder / "supervisord.log"
+        text = log.read_text(encoding="utf-8", errors="replace") if log.exists() else ""
+        ended = self._process is not None and self._process.poll() is not None
+        return "entered FATAL state" in text or ended
+
     def logs(self, lines: int = 15) -> str:
         """Return the last lines of each service's log, for a failure's message."""
         parts = []
         for path in sorted(self.run_folder.glob("*.log")):
+            if path.stem == "supervisord":
+                continue
             text = path.read_text(encoding="utf-8", errors="replace").strip()
             if text:
                 tail = "\n".join(text.splitlines()[-lines:])

@@ -32,7 +32,7 @@ def run_up(common: Common) -> int:
         signal.signal(signal.SIGTERM, lambda *_: processes.terminate())
         try:
             with Bus("up", common.bus_settings(open_timeout_s=READY_TIMEOUT_S)) as bus:
-                Presence(bus).wait_for(NEEDED, READY_TIMEOUT_S)
+                Presence(bus).wait_for(NEEDED, READY_TIMEOUT_S, processes.failed)
         except Refused as refused:
             raise Refused(f"{refused.reason}\n{processes.logs()}".strip()) from refused
         talk.print(f"doro: all services are up, router at {settings.endpoint}; stop with Ctrl-C")

@@ -16,6 +16,7 @@ from doro_schemas.messages import Exploration
 from doro_schemas.messages.base import FrameMessage, Message
 from doro_sim_feeder.recording import Recording, Sample
 
+OPEN_FRAMES = 16
 INPUT_TOPICS = ("exploration", "color", "depth", "sim_detections")
 
 
@@ -53,38 +54,36 @@ class Cut(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def steps(recording: Recording, topics: tuple[str, ...] = INPUT_TOPICS) -> Iterator[Step]:
-    """Group a recording's samples into steps, in the order of the file.
+    """Group a recording's samples into steps, frames in the order of their first sample.
+
+    A recording from the bus holds the keys of a frame some frames apart, so a frame stays open
+    until ``OPEN_FRAMES`` later ones have begun.
 
     Raises:
         Refused: a sample does not fit.
     """
-    pending: list[Sample] = []
-    current: tuple[str, str, int] | None = None
+    opened: dict[tuple[str, str, int], list[Sample]] = {}
     for sample in recording.samples():
         if sample.topic.name not in topics:
             continue
         message = _decoded(sample, recording)
-        name = (
-            (message.episode, message.camera, message.frame)
-            if isinstance(message, FrameMessage)
-            else None
-        )
-        if current is not None and name != current:
-            yield _frame(current, pending)
-            pending = []
-        current = name
-        if name is not None:
-            pending.append(sample)
-        elif isinstance(message, Exploration):
-            yield Step(message.state, -1, "", message.episode, [sample])
-        else:
-            yield Step("other", -1, "", message.episode, [sample])
-    if current is not None:
-        yield _frame(current, pending)
+        if isinstance(message, FrameMessage):
+            name = (message.episode, message.camera, message.frame)
+            opened.setdefault(name, []).append(sample)
+            if len(opened) > OPEN_FRAMES:
+                yield _close_first(opened)
+            continue
+        while opened:
+            yield _close_first(opened)
+        kind = message.state if isinstance(message, Exploration) else "other"
+        yield Step(kind, -1, "", message.episode, [sample])
+    while opened:
+        yield _close_first(opened)
 
 
-def _frame(name: tuple[str, str, int], samples: list[Sample]) -> Step:
-    return Step("frame", name[2], name[1], name[0], samples)
+def _close_first(opened: dict[tuple[str, str, int], list[Sample]]) -> Step:
+    episode, camera, frame = name = next(iter(opened))
+    return Step("frame", frame, camera, episode, opened.pop(name))
 
 
 def problem_of(recording: Recording, topics: tuple[str, ...] = INPUT_TOPICS) -> str:
@@ -106,6 +105,8 @@ def problem_of(recording: Recording, topics: tuple[str, ...] = INPUT_TOPICS) -> 
         if step.frame <= last.get(step.camera, -1):
             return f"the frames are out of order: {where} comes after {last[step.camera]}"
         last[step.camera] = step.frame
+        if len({sample.key for sample in step.samples}) < len(step.samples):
+            return f"{where} is there twice"
         if "depth" in topics and "depth" not in step.topics:
             return f"{where} has no depth, and the map needs it"
         if {"color", "sim_detections"} & set(topics) and step.topics == {"depth"}:
@@ -137,7 +138,8 @@ def checked_steps(recording: Recording, cut: Cut, *, repair: bool = False) -> It
 def repaired(given: Iterable[Step], topics: tuple[str, ...]) -> Iterator[Step]:
     """Yield the episodes one after the other, each started, its frames in order, and finished.
 
-    Samples of a frame that are apart in the file are joined. Everything is held in memory.
+    Samples of a frame that are apart in the file are joined; of two on one key the first
+    counts. Everything is held in memory.
     """
     frames: dict[str, dict[tuple[int, str], Step]] = {}
     marks: dict[tuple[str, str], Step] = {}
@@ -145,7 +147,8 @@ def repaired(given: Iterable[Step], topics: tuple[str, ...]) -> Iterator[Step]:
         if step.kind == "frame":
             kept = frames.setdefault(step.episode, {})
             have = kept.get((step.frame, step.camera))
-            samples = [*have.samples, *step.samples] if have else step.samples
+            every = [*(have.samples if have else []), *step.samples]
+            samples = list({one.key: one for one in reversed(every)}.values())[::-1]
             kept[step.frame, step.camera] = msgspec.structs.replace(step, samples=samples)
         elif step.kind != "other":
             marks.setdefault((step.episode, step.kind), step)

@@ -61,8 +61,9 @@ class Chain:
         self.bus.close()
         for process in self.processes.values():
             process.terminate()
-        for process in self.processes.values():
-            process.wait(20)
+        statuses = {name: process.wait(20) for name, process in self.processes.items()}
+        if error is None:
+            assert set(statuses.values()) == {0}, f"not all services stopped cleanly: {statuses}"
 
     def start(self, name: str) -> None:
         """Start a service (or the router) as a process."""

@@ -90,6 +90,16 @@ def test_status_shows_all_services_alive() -> None:
     assert statuses["mapper"]["health"]["counters"]["received.depth"] == 72
 
 
+def test_a_service_that_cannot_start_is_named_with_its_own_words() -> None:
+    endpoint = f"bus.endpoint=tcp/127.0.0.1:{free_port()}"
+    command = [str(BIN / "doro"), "up", "--set", "perception.backend=crystal", "--set", endpoint]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=55, check=False)
+    assert done.returncode == 1
+    assert "not running on this router: doro-perception" in done.stderr
+    assert "Invalid enum value 'crystal'" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
 def test_a_second_up_is_refused() -> None:
     second = doro("up")
     assert second.returncode == 1

@@ -184,7 +184,7 @@ BAD = {
         [0],
     ),
     "mixed": (MIXED, "two rooms are mixed: frame 0 of cam0 is of 'b' inside 'a'", [0, 1, 0]),
-    "twice": ([started("e"), *frame_messages([0, 1, 0])], "out of order: frame 0", [0, 1]),
+    "twice": ([started("e"), *frame_messages([0, 1, 0])], "frame 0 of cam0 is there twice", [0, 1]),
 }
 
 
