@@ -36,7 +36,7 @@ format: setup
 # Pinned requirements with hashes; names no host. Needs uv.
 lock:
 	uv pip compile --quiet --universal --generate-hashes --no-emit-index-url --no-annotate --no-header \
-	    --python-version 3.11 --group dev --extra render \
+	    --python-version 3.11 --group dev --extra render --extra render-gl \
 	    $(foreach name,schemas nlu perception mapper dialogue viewer sim-feeder,--no-emit-package doro-$(name)) \
 	    $(addsuffix /pyproject.toml,$(PROJECTS)) -o requirements.lock
 

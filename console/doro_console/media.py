@@ -31,6 +31,15 @@ if TYPE_CHECKING:
 @click.option("--info", is_flag=True, help="Only say what the recording holds (JSON).")
 @click.option("--salvage", is_flag=True, help="Play what is whole in a file that was cut off.")
 @click.option("--repair", is_flag=True, help="Put frames in order, leave out incomplete ones.")
+@click.option("--errors", default="", help="Detector errors to make: any of cs,sd,fn,fp.")
+@click.option("--error-seed", default=0, show_default=True)
+@click.option(
+    "--fp-room",
+    "fp_rooms",
+    type=click.Path(path_type=Path),
+    multiple=True,
+    help="Recording of another room, from which false positives are pasted.",
+)
 @click.option("--wait", "wait_s", default=10.0, show_default=True, help="Seconds for services.")
 @common_options
 @says_refusals
@@ -54,7 +63,9 @@ def play(common: Common, recording: Path, **options: Any) -> None:
 
 
 def _play_settings(options: dict[str, Any]) -> PlaySettings:
+    from doro_schemas.detector_errors import ErrorModels, parse_errors
     from doro_schemas.topics import TOPICS
+    from doro_sim_feeder.disturb import pool_from_recordings
     from doro_sim_feeder.play import PlaySettings
     from doro_sim_feeder.steps import INPUT_TOPICS, Cut
 
@@ -64,7 +75,13 @@ def _play_settings(options: dict[str, Any]) -> PlaySettings:
     cut = Cut(
         topics=options["topics"] or INPUT_TOPICS, from_s=options["from_s"], to_s=options["to_s"]
     )
-    return PlaySettings(speed=options["speed"], cut=cut, repair=options["repair"])
+    return PlaySettings(
+        speed=options["speed"],
+        cut=cut,
+        repair=options["repair"],
+        errors=ErrorModels(errors=parse_errors(options["errors"]), seed=options["error_seed"]),
+        pool=pool_from_recordings(options["fp_rooms"]) if options["fp_rooms"] else None,
+    )
 
 
 def _play_all(

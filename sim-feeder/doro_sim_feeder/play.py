@@ -13,10 +13,12 @@ from collections.abc import Callable
 import msgspec
 
 from doro_schemas.bus import Bus
+from doro_schemas.detector_errors import ErrorModels, FalsePositivePool
 from doro_schemas.errors import Refused
 from doro_schemas.messages import GridDelta, Rejected
 from doro_schemas.messages.base import Message
 from doro_schemas.topics import TOPICS
+from doro_sim_feeder.disturb import disturbed
 from doro_sim_feeder.recording import Recording
 from doro_sim_feeder.steps import Cut, Step, checked_steps
 
@@ -30,6 +32,8 @@ class PlaySettings(msgspec.Struct, frozen=True, kw_only=True):
         ack_timeout_s: a frame that nobody merged within it counts as lost.
         cut: which topics and which span of time.
         repair: play a recording with problems as far as it can be put right.
+        errors: detector errors to put into the simulator's detections.
+        pool: where false positives are pasted from; needed for them only.
     """
 
     speed: float = 0.0
@@ -37,6 +41,8 @@ class PlaySettings(msgspec.Struct, frozen=True, kw_only=True):
     ack_timeout_s: float = 10.0
     cut: Cut = Cut()
     repair: bool = False
+    errors: ErrorModels = ErrorModels()
+    pool: FalsePositivePool | None = None
 
 
 class PlayReport(msgspec.Struct, kw_only=True):
@@ -90,7 +96,8 @@ class Player:
         started_s = begun_s = time.monotonic()
         first_stamp_ns: int | None = None
         late_ms: list[float] = []
-        for step in checked_steps(recording, self._settings.cut, repair=self._settings.repair):
+        given = checked_steps(recording, self._settings.cut, repair=self._settings.repair)
+        for step in disturbed(given, self._settings.errors, self._settings.pool):
             if self._bus.stopping:
                 break
             if self._settings.speed > 0:

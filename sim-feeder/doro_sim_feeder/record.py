@@ -36,6 +36,7 @@ def record_bus(
             bus.subscribe_raw(topic, lambda sample: _add(recorder, sample))
         bus.declare_alive()
         bus.run_until(None if seconds is None else time.monotonic() + seconds, done)
+        bus.drain()
     return recorder.count
 
 

@@ -195,10 +195,18 @@ class Recording:
 def write_recording(
     path: Path, messages: Iterable[Message], metadata: dict[str, str] | None = None
 ) -> int:
-    """Write messages to a recording; return their number."""
-    with Recorder(path, metadata) as recorder:
-        for message in messages:
-            recorder.add(message)
+    """Write messages to a recording; return their number.
+
+    The file takes its name when it is whole: a source that fails midway leaves none.
+    """
+    unfinished = path.with_name(f".{path.name}.part")
+    try:
+        with Recorder(unfinished, metadata) as recorder:
+            for message in messages:
+                recorder.add(message)
+        unfinished.replace(path)
+    finally:
+        unfinished.unlink(missing_ok=True)
     return recorder.count
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 
 import cv2
@@ -47,6 +48,16 @@ def test_a_recording_gives_back_the_very_bytes(tmp_path: Path) -> None:
     assert [sample.encoding for sample in samples] == [codec.encoding_of(type(x)) for x in sent]
     assert recording.metadata == {"format": "1", "room": "r", "seed": "3"}
     assert describe(recording)["messages"]["doro/query"] == 1
+
+
+def test_a_source_that_fails_midway_leaves_no_file(tmp_path: Path) -> None:
+    def failing() -> Iterator[Message]:
+        yield from examples()[:1]
+        raise Refused("no more")
+
+    with pytest.raises(Refused, match="no more"):
+        write_recording(tmp_path / "half.mcap", failing())
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_the_same_messages_give_the_same_file(tmp_path: Path) -> None:

@@ -280,6 +280,18 @@ class Bus:
                 lane.handle(item)
         return done()
 
+    def drain(self, limit_s: float = 5.0) -> None:
+        """Handle what has arrived already, also after :meth:`stop`."""
+        deadline_s = time.monotonic() + limit_s
+        while time.monotonic() < deadline_s:
+            try:
+                taken = self._inbox.take(0.0)
+            except queue.Empty:
+                return
+            if taken is not None:
+                lane, item = taken
+                lane.handle(item)
+
 
 def _nothing() -> None:
     return None
