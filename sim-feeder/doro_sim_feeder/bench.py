@@ -61,6 +61,7 @@ def run_bench(
             "speed/play/elapsed_s": round(fast.elapsed_s, 3),
             "speed/play/times_real_time": round(real_s / fast.elapsed_s, 1),
             "speed/play/pacing_p95_ms": round(paced.pacing_p95_ms, 3),
+            "speed/play/paced_elapsed_s": round(paced.elapsed_s, 3),
             "speed/play/lost": fast.lost + paced.lost,
         }
     finally:

@@ -103,7 +103,7 @@ class Player:
             if self._settings.speed > 0:
                 if step.kind == "frame" and first_stamp_ns is None:
                     first_stamp_ns, started_s = step.stamp_ns, time.monotonic()
-                since_ns = step.stamp_ns - (first_stamp_ns or step.stamp_ns)
+                since_ns = 0 if first_stamp_ns is None else step.stamp_ns - first_stamp_ns
                 due_s = started_s + since_ns / 1e9 / self._settings.speed
                 self._bus.run_until(due_s)
                 late_ms.append((time.monotonic() - due_s) * 1e3)

@@ -33,3 +33,4 @@ def test_play_bench_takes_every_frame(tmp_path: Path) -> None:
     assert figures["speed/play/frames"] == 167
     assert figures["speed/play/lost"] == 0
     assert figures["speed/play/pacing_p95_ms"] >= 0
+    assert figures["speed/play/paced_elapsed_s"] >= 0.5  # five frames at 10 Hz take their time
