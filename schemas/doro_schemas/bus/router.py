@@ -40,9 +40,14 @@ def open_session(settings: BusSettings, stopping: Callable[[], bool]) -> zenoh.S
             if time.monotonic() >= deadline_s:
                 raise Refused(
                     f"no Zenoh router answers at {settings.endpoint}: start one with 'doro up' or"
-                    f" set bus.endpoint ({str(error).splitlines()[0][:120]})"
+                    f" set bus.endpoint ({_words(error)})"
                 ) from error
     raise Refused("stopped before the router was reached")
+
+
+def _words(error: zenoh.ZError) -> str:
+    """Return the first line of Zenoh's error without the place in its own source."""
+    return str(error).splitlines()[0].split(" at /")[0][:160]
 
 
 def run_router(settings: BusSettings) -> None:
@@ -59,7 +64,7 @@ def run_router(settings: BusSettings) -> None:
     except zenoh.ZError as error:
         raise Refused(
             f"the router cannot listen at {settings.endpoint}: is another one running?"
-            f" ({str(error).splitlines()[0][:160]})"
+            f" ({_words(error)})"
         ) from error
     with session:
         stopped.wait()
