@@ -26,14 +26,14 @@ class Instruction(Message, kw_only=True):
         check_text(self.text, "instruction")
 
 
-class InstructionGraph(Message, kw_only=True):
-    """What nlu understood.
+class Parsed(Message, kw_only=True):
+    """What nlu understood of a text.
 
     Attributes:
-        text: the instruction.
+        text: the instruction or caption.
         task: the verb phrase of the task ("bring"), empty where unknown.
         tokens, labels: the tagger's sequence (BIO labels), of equal length.
-        graph: the input graph; None if not understood.
+        graph: the object graph; None if not understood.
         readings: other graphs the sentence may mean (an attachment that is open).
         reason: why it was not understood; empty if it was.
         confidence: lowest probability over the labels that made the graph, 0..1.
@@ -49,6 +49,10 @@ class InstructionGraph(Message, kw_only=True):
     confidence: float = 0.0
 
 
+class InstructionGraph(Parsed, kw_only=True):
+    """An instruction and its input graph; fields as in :class:`Parsed`."""
+
+
 class ParseRequest(Message, kw_only=True):
     """A question to ``doro/nlu/parse``; plain UTF-8 text works as well."""
 
@@ -59,14 +63,5 @@ class ParseRequest(Message, kw_only=True):
         check_text(self.text, "text")
 
 
-class ParseReply(Message, kw_only=True):
-    """The parser's answer, fields as in :class:`InstructionGraph`."""
-
-    text: str
-    task: str = ""
-    tokens: list[str] = []
-    labels: list[str] = []
-    graph: ObjectGraph | None = None
-    readings: list[ObjectGraph] = []
-    reason: str = ""
-    confidence: float = 0.0
+class ParseReply(Parsed, kw_only=True):
+    """The parser's answer; fields as in :class:`Parsed`."""
