@@ -30,8 +30,12 @@ class Conversation:
         Raises:
             Refused: the text is refused, or nobody heard it.
         """
+        try:
+            instruction = Instruction(text=text, stamp_ns=time.time_ns())
+        except ValueError as error:
+            raise Refused(str(error)) from error
         count, refusals = len(self.parsed), len(self.rejected)
-        self._bus.publish(Instruction(text=text, stamp_ns=time.time_ns()))
+        self._bus.publish(instruction)
         self._bus.run_until(
             time.monotonic() + CONFIRM_TIMEOUT_S,
             lambda: len(self.parsed) > count or len(self.rejected) > refusals,

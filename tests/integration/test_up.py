@@ -81,6 +81,17 @@ def test_say_prints_the_answer() -> None:
     assert "CONFIRM" in said.stdout
 
 
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [("", "instruction is empty"), ("good morning", "not understood"), ("x" * 3000, "3000 char")],
+)
+def test_say_of_nothing_is_one_sentence(text: str, words: str) -> None:
+    said = doro("say", text)
+    assert said.returncode == 1
+    assert words in said.stderr
+    assert len(said.stderr.strip().splitlines()) == 1
+
+
 def test_status_shows_all_services_alive() -> None:
     shown = doro("status", "--json")
     assert shown.returncode == 0, shown.stdout + shown.stderr
