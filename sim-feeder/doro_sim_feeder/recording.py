@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import struct
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -24,6 +24,7 @@ from mcap.writer import CompressionType, Writer
 from doro_schemas import codec
 from doro_schemas.errors import Refused
 from doro_schemas.jsonschemas import schema_json
+from doro_schemas.messages import DepthFrame
 from doro_schemas.messages.base import Message
 from doro_schemas.topics import TABLE, Topic, topic_of
 
@@ -31,6 +32,8 @@ PROFILE = "doro"
 FORMAT = "1"
 METADATA = "doro"
 CHUNK_BYTES = 1 << 20
+TRUTH = "truth.json"
+DEPTH_ENCODING = codec.encoding_of(DepthFrame)
 DAMAGE = (McapError, EOFError, ValueError, struct.error, zstandard.ZstdError)
 MAGIC = b"\x89MCAP0\r\n"
 
@@ -55,6 +58,8 @@ class Recorder:
     Args:
         path: the file, overwritten.
         metadata: room, seed, generator version and the like, kept in the file.
+
+    Size and intrinsics of each camera are kept as metadata ``camera <name>`` by itself.
     """
 
     def __init__(self, path: Path, metadata: dict[str, str] | None = None) -> None:
@@ -64,6 +69,7 @@ class Recorder:
         self._writer.add_metadata(METADATA, {"format": FORMAT, **(metadata or {})})
         self._channels: dict[tuple[str, str], int] = {}
         self._schemas: dict[str, int] = {}
+        self._cameras: set[str] = set()
         self.count = 0
 
     def __enter__(self) -> Self:
@@ -85,6 +91,8 @@ class Recorder:
 
     def add_raw(self, key: str, payload: bytes, encoding: str, stamp_ns: int) -> None:
         """Append a payload as it came off the bus."""
+        if key not in self._cameras and encoding == DEPTH_ENCODING:
+            self._note_camera(key, payload)
         channel = self._channel(key, encoding)
         self._writer.add_message(channel, stamp_ns, payload, stamp_ns, self.count)
         # A chunk that is written is in the file, whatever happens to the process. (mcap wraps an
@@ -92,10 +100,27 @@ class Recorder:
         self._stream.flush()
         self.count += 1
 
+    def attach(self, name: str, data: bytes) -> None:
+        """Keep a file inside the recording, for example the ground truth as JSON."""
+        self._writer.add_attachment(0, 0, name, "application/json", data)
+
     def close(self) -> None:
         """Write index and footer."""
         self._writer.finish()  # type: ignore[no-untyped-call]
         self._stream.close()
+
+    def _note_camera(self, key: str, payload: bytes) -> None:
+        """Keep what the first depth frame of a camera says of it."""
+        self._cameras.add(key)
+        try:
+            frame = codec.decode(payload, DEPTH_ENCODING)
+        except Refused:
+            return  # whoever plays it will be told; the recording keeps what passed
+        if isinstance(frame, DepthFrame):
+            sizes = {"width_px": frame.width_px, "height_px": frame.height_px}
+            values = {**sizes, **msgspec.structs.asdict(frame.intrinsics)}
+            fields = {name: f"{value:g}" for name, value in values.items()}
+            self._writer.add_metadata(f"camera {frame.camera}", fields)
 
     def _channel(self, key: str, encoding: str) -> int:
         if (key, encoding) not in self._channels:
@@ -130,6 +155,7 @@ class Recording:
         self.path = path
         self.cut_off = False
         self.metadata: dict[str, str] = {}
+        self.cameras: dict[str, dict[str, str]] = {}
         self.counts: Counter[str] = Counter()
         try:
             with path.open("rb") as stream:
@@ -160,11 +186,21 @@ class Recording:
                 for item in reader.iter_metadata():
                     if item.name == METADATA:
                         self.metadata = dict(item.metadata)
+                    elif item.name.startswith("camera "):
+                        self.cameras[item.name.removeprefix("camera ")] = dict(item.metadata)
                 for number, count in summary.statistics.channel_message_counts.items():
                     self.counts[summary.channels[number].topic] += count
             except (*DAMAGE, OSError, KeyError):
                 return False
         return True
+
+    def attachment(self, name: str) -> bytes | None:
+        """Return a file that is kept inside the recording, None where there is none."""
+        with self.path.open("rb") as stream:
+            for item in SeekingReader(stream).iter_attachments():
+                if item.name == name:
+                    return bytes(item.data)
+        return None
 
     def samples(self) -> Iterator[Sample]:
         """Yield the samples in the order in which they were written.
@@ -193,9 +229,15 @@ class Recording:
 
 
 def write_recording(
-    path: Path, messages: Iterable[Message], metadata: dict[str, str] | None = None
+    path: Path,
+    messages: Iterable[Message],
+    metadata: dict[str, str] | None = None,
+    attachments: Callable[[], dict[str, bytes]] = dict,
 ) -> int:
     """Write messages to a recording; return their number.
+
+    Args:
+        attachments: files to keep inside, by name; asked for after the last message.
 
     The file takes its name when it is whole: a source that fails midway leaves none.
     """
@@ -204,6 +246,8 @@ def write_recording(
         with Recorder(unfinished, metadata) as recorder:
             for message in messages:
                 recorder.add(message)
+            for name, data in attachments().items():
+                recorder.attach(name, data)
         unfinished.replace(path)
     finally:
         unfinished.unlink(missing_ok=True)
@@ -216,6 +260,7 @@ def describe(recording: Recording) -> dict[str, Any]:
     return {
         "file": recording.path.name,
         "metadata": json.loads(json.dumps(recording.metadata, sort_keys=True)),
+        "cameras": recording.cameras,
         "messages": dict(sorted(recording.counts.items())),
         "duration_s": (max(stamps) - min(stamps)) / 1e9 if stamps else 0.0,
         "cut_off": recording.cut_off,

@@ -48,6 +48,16 @@ def test_a_recording_gives_back_the_very_bytes(tmp_path: Path) -> None:
     assert [sample.encoding for sample in samples] == [codec.encoding_of(type(x)) for x in sent]
     assert recording.metadata == {"format": "1", "room": "r", "seed": "3"}
     assert describe(recording)["messages"]["doro/query"] == 1
+    assert recording.cameras == {
+        "cam0": {"width_px": "3", "height_px": "2", "fx": "1", "fy": "1", "cx": "1.5", "cy": "1"}
+    }
+
+
+def test_a_recording_keeps_its_truth(tmp_path: Path) -> None:
+    path = tmp_path / "truth.mcap"
+    write_recording(path, examples()[:1], attachments=lambda: {"truth.json": b"{}"})
+    assert Recording(path).attachment("truth.json") == b"{}"
+    assert Recording(path).attachment("other.json") is None
 
 
 def test_a_source_that_fails_midway_leaves_no_file(tmp_path: Path) -> None:

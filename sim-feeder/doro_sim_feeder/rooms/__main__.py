@@ -7,13 +7,11 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-import msgspec
-
 from doro_schemas.errors import Refused
 from doro_schemas.messages import Exploration, SimDetections
 from doro_schemas.messages.base import Message
 from doro_sim_feeder.rooms.copies import Arrangement, CopySpec
-from doro_sim_feeder.rooms.episode import RoomEpisode
+from doro_sim_feeder.rooms.episode import RoomEpisode, truth_json
 from doro_sim_feeder.rooms.exploration import ORDERS
 from doro_sim_feeder.rooms.sheet import write_sheet
 from doro_sim_feeder.rooms.version import generator_version
@@ -78,7 +76,10 @@ def run(args: argparse.Namespace) -> None:
         write_sheet(args.sheet, episode)
         print(f"contact sheet: {args.sheet}", file=sys.stderr)
     if args.out:
-        from doro_sim_feeder.recording import write_recording  # noqa: PLC0415 - only with --out
+        from doro_sim_feeder.recording import (  # noqa: PLC0415 - only with --out
+            TRUTH,
+            write_recording,
+        )
 
         metadata = {
             "room": args.room,
@@ -87,19 +88,12 @@ def run(args: argparse.Namespace) -> None:
             "generator": generator_version(),
         }
         messages = _with_progress(episode.messages(), len(episode.views))
-        write_recording(args.out, messages, metadata)
+        write_recording(args.out, messages, metadata, lambda: {TRUTH: truth_json(episode)})
     elif args.truth:
         for _ in _with_progress(episode.messages(), len(episode.views)):
             pass
     if args.truth:
-        text = msgspec.json.encode(
-            {
-                "episode": episode.name,
-                "instances": episode.truth(),
-                "missing": episode.missing,
-            }
-        )
-        args.truth.write_bytes(msgspec.json.format(text, indent=1) + b"\n")
+        args.truth.write_bytes(truth_json(episode))
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 
 import cv2
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -151,6 +152,19 @@ class RoomEpisode:
             width_px=picture.ids.shape[1],
             detections=detections(picture.ids, truth),
         )
+
+
+def truth_json(episode: RoomEpisode) -> bytes:
+    """Return the ground truth of what was rendered: instances, and copies without a place.
+
+    The number of views of each instance is known once the messages were taken.
+    """
+    fields = {
+        "episode": episode.name,
+        "instances": episode.truth(),
+        "missing": episode.missing,
+    }
+    return msgspec.json.format(msgspec.json.encode(fields), indent=1) + b"\n"
 
 
 def render_episode(

@@ -13,9 +13,9 @@ from typing import Any
 import msgspec
 
 from doro_schemas.errors import Refused
-from doro_sim_feeder.recording import write_recording
+from doro_sim_feeder.recording import TRUTH, write_recording
 from doro_sim_feeder.rooms.copies import Unplaced
-from doro_sim_feeder.rooms.episode import RoomEpisode
+from doro_sim_feeder.rooms.episode import RoomEpisode, truth_json
 from doro_sim_feeder.rooms.evaluation_set import SetRow
 from doro_sim_feeder.rooms.truth import TrueInstance
 from doro_sim_feeder.rooms.version import generator_version
@@ -106,9 +106,8 @@ def make_one(row: SetRow, render: Render) -> RoomTruth:
         name=row.name,
     )
     path = render.out / f"{row.name}.mcap"
-    part = path.with_suffix(".mcap.part")
-    write_recording(part, episode.messages(), _metadata(row, render, episode))
-    part.replace(path)
+    metadata = _metadata(row, render, episode)
+    write_recording(path, episode.messages(), metadata, lambda: {TRUTH: truth_json(episode)})
     truth = RoomTruth(
         episode=row.name,
         spec=row.digest(render.size_px, render.views),
