@@ -42,6 +42,14 @@ class Chain:
         self._players = 0
 
     def __enter__(self) -> Self:
+        try:
+            self._start_all()
+        except BaseException:
+            self._stop_all()
+            raise
+        return self
+
+    def _start_all(self) -> None:
         # Services come up in any order, the router may be the last.
         for name in [*self._services, *([] if "router" in self._services else ["router"])]:
             self.start(name)
@@ -50,7 +58,13 @@ class Chain:
         self.bus.subscribe(TOPICS["rejected"], self._heard, late=False)
         self.presence = Presence(self.bus)
         self.presence.wait_for([name for name in self._services if name != "router"], READY_S)
-        return self
+
+    def _stop_all(self) -> dict[str, int]:
+        """Stop everything; return the exit statuses."""
+        self.bus.close()
+        for process in self.processes.values():
+            process.terminate()
+        return {name: process.wait(20) for name, process in self.processes.items()}
 
     def __exit__(
         self,
@@ -58,10 +72,7 @@ class Chain:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self.bus.close()
-        for process in self.processes.values():
-            process.terminate()
-        statuses = {name: process.wait(20) for name, process in self.processes.items()}
+        statuses = self._stop_all()
         if error is None:
             assert set(statuses.values()) == {0}, f"not all services stopped cleanly: {statuses}"
 
