@@ -9,7 +9,7 @@ from pathlib import Path
 from doro_nlu.language import not_english
 from doro_nlu.parser import Parse, parse
 from doro_nlu.settings import NluSettings
-from doro_nlu.tagger import BiLstmTagger, Tagged, Tagger
+from doro_nlu.tagger import Tagged, Tagger, load_tagger
 from doro_nlu.tokens import tokenize
 from doro_schemas.effects import Output
 from doro_schemas.errors import Refused
@@ -52,7 +52,7 @@ class Nlu:
 
     def __init__(self, settings: NluSettings, tagger: Tagger | None = None) -> None:
         directory = Path(settings.model_dir) if settings.model_dir else None
-        self._tagger = BiLstmTagger(directory) if tagger is None else tagger
+        self._tagger = load_tagger(directory, settings.tagger) if tagger is None else tagger
         self._settings = settings
         self._cache: OrderedDict[str, Understood] = OrderedDict()
         self.counters = {

@@ -9,11 +9,13 @@ class NluSettings(msgspec.Struct, frozen=True, kw_only=True):
     """Settings with their defaults.
 
     Attributes:
+        tagger: the shipped tagger: ``bilstm``, or ``default``, the small BERT-family encoder.
         model_dir: directory with ``model.onnx`` and ``vocabulary.json``; empty = the shipped one.
         cache_size: captions whose parse is kept; the least recently used goes first; 0 = none.
         min_object_probability: below it an object is not taken: a reason is given instead.
     """
 
+    tagger: str = "bilstm"
     model_dir: str = ""
     cache_size: int = 10_000
     min_object_probability: float = 0.0

@@ -2,31 +2,25 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import msgspec
 import numpy as np
-import onnxruntime as ort
 
 from doro_nlu.decode import Decoder
+from doro_nlu.encoder import EncoderTagger
 from doro_nlu.features import FIRST_FREE, encode
+from doro_nlu.onnx_files import MODEL_FILE, VOCABULARY_FILE, Tagged, load_session, read_vocabulary
 from doro_schemas.errors import Refused
 
-MODEL_FILE = "model.onnx"
-VOCABULARY_FILE = "vocabulary.json"
-DEFAULT_MODEL = Path(__file__).parent / "models" / "bilstm"
+__all__ = ["DEFAULT_MODEL", "MODEL_FILE", "VOCABULARY_FILE", "BiLstmTagger", "EncoderTagger",
+           "Tagged", "Tagger", "Vocabulary", "load_tagger"]  # fmt: skip
+_MODELS = Path(__file__).parent / "models"
+DEFAULT_MODEL = _MODELS / "bilstm"
+_SHIPPED = {"bilstm": DEFAULT_MODEL, "default": _MODELS / "encoder"}
 _INPUTS = {"words", "chars", "lengths"}
-
-
-class Tagged(NamedTuple):
-    """A tagged sentence: tokens, BIO labels and the probability of each label (0..1)."""
-
-    tokens: list[str]
-    labels: list[str]
-    probabilities: list[float]
 
 
 class Tagger(Protocol):
@@ -70,12 +64,12 @@ class BiLstmTagger:
 
     def __init__(self, directory: Path | None = None) -> None:
         directory = DEFAULT_MODEL if directory is None else directory
-        vocabulary = load_vocabulary(directory / VOCABULARY_FILE)
+        vocabulary = read_vocabulary(directory / VOCABULARY_FILE, Vocabulary)
         self.labels = tuple(vocabulary.labels)
         self._words = {word: FIRST_FREE + i for i, word in enumerate(vocabulary.words)}
         self._chars = {char: FIRST_FREE + i for i, char in enumerate(vocabulary.chars)}
         self._decoder = Decoder(self.labels)
-        self._session = _load_session(directory / MODEL_FILE, vocabulary.model_sha256)
+        self._session = load_session(directory / MODEL_FILE, vocabulary.model_sha256)
         self._check(directory)
 
     def _check(self, directory: Path) -> None:
@@ -117,45 +111,25 @@ class BiLstmTagger:
         return tagged
 
 
-def load_vocabulary(path: Path) -> Vocabulary:
-    """Return the vocabulary of a model.
+class _Kind(msgspec.Struct, frozen=True):
+    """The field that tells the encoder's vocabulary from the Bi-LSTM's."""
+
+    pieces: list[str] | None = None
+
+
+def load_tagger(directory: Path | None = None, name: str = "bilstm") -> Tagger:
+    """Return a tagger: that of a directory (its vocabulary tells the kind), else a shipped one.
+
+    Args:
+        directory: holds ``model.onnx`` and ``vocabulary.json``; None = shipped.
+        name: of the shipped ones: ``bilstm`` or ``default`` (the encoder).
 
     Raises:
-        Refused: missing or unreadable file.
+        Refused: unknown name, or the model cannot be loaded.
     """
-    try:
-        return msgspec.json.decode(path.read_bytes(), type=Vocabulary)
-    except (OSError, msgspec.DecodeError) as error:
-        raise Refused(
-            f"the tagger's vocabulary {path} cannot be read ({error}): reinstall doro-nlu or"
-            " set nlu.model_dir to a directory with a trained model"
-        ) from error
-
-
-def _load_session(path: Path, sha256: str) -> ort.InferenceSession:  # type: ignore[name-defined]
-    if not path.is_file():
-        raise Refused(
-            f"the tagger's model {path} is missing: reinstall doro-nlu or set nlu.model_dir to a"
-            " directory with a trained model"
-        )
-    content = path.read_bytes()
-    if sha256 and hashlib.sha256(content).hexdigest() != sha256:
-        raise Refused(
-            f"the tagger's model {path} is not the one its vocabulary belongs to, or it is"
-            " damaged (sha256 differs): reinstall doro-nlu or train it again with"
-            " 'python -m doro_nlu.train'"
-        )
-    options = ort.SessionOptions()  # type: ignore[attr-defined]
-    options.intra_op_num_threads = 1
-    options.inter_op_num_threads = 1
-    options.log_severity_level = 4
-    try:
-        return ort.InferenceSession(  # type: ignore[attr-defined]
-            content, sess_options=options, providers=["CPUExecutionProvider"]
-        )
-    except Exception as error:  # onnxruntime has no public base class of its errors
-        first_line = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise Refused(
-            f"the tagger's model {path} is no usable ONNX file ({first_line}): reinstall doro-nlu"
-            " or train it again with 'python -m doro_nlu.train'"
-        ) from error
+    if directory is None and name not in _SHIPPED:
+        raise Refused(f"no tagger is called '{name}': set nlu.tagger to {' or '.join(_SHIPPED)}")
+    directory = _SHIPPED[name] if directory is None else directory
+    if read_vocabulary(directory / VOCABULARY_FILE, _Kind).pieces is None:
+        return BiLstmTagger(directory)
+    return EncoderTagger(directory)

@@ -16,7 +16,7 @@ from pathlib import Path
 import msgspec
 
 from doro_nlu.labels import LABELS, OUTSIDE
-from doro_nlu.tagger import BiLstmTagger, Tagger
+from doro_nlu.tagger import Tagger, load_tagger
 from doro_nlu.train.annotate import Example
 from doro_nlu.train.generate import Generator
 
@@ -109,11 +109,12 @@ def main() -> None:
     """Print the table of a tagger."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--model", type=Path, help="directory of a model; default: the shipped one")
+    parser.add_argument("--tagger", default="bilstm", help="of the shipped ones")
     parser.add_argument("--gold", type=Path, help="labelled sentences; default: held-out templates")
     parser.add_argument("--seed", type=int, default=7)
     arguments = parser.parse_args()
     examples = read_gold(arguments.gold) if arguments.gold else held_out_examples(arguments.seed)
-    print(table(evaluate(BiLstmTagger(arguments.model), examples)))
+    print(table(evaluate(load_tagger(arguments.model, arguments.tagger), examples)))
 
 
 if __name__ == "__main__":
