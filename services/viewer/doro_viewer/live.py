@@ -93,7 +93,7 @@ class LiveViewer:
                     f"Rerun's viewer {what}: try 'rerun {' '.join(self.arguments())}' by hand,"
                     " or record with viewer.rrd instead"
                 )
-            time.sleep(_POLL_S)
+            time.sleep(_POLL_S)  # sleep-ok: another program's port has no event to wait for
 
     def close(self) -> None:
         """End the program; the page that shows it keeps what it has."""
@@ -107,7 +107,7 @@ class LiveViewer:
             # The guard may be gone a moment before the program has let go of its ports.
             deadline_s = time.monotonic() + STOP_TIMEOUT_S
             while any(map(_listens, self._ports())) and time.monotonic() < deadline_s:
-                time.sleep(_POLL_S)
+                time.sleep(_POLL_S)  # sleep-ok: as above
         self._process = None
         if self._home is not None:
             self._home.cleanup()
