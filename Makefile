@@ -11,10 +11,11 @@ STAMP := $(VENV)/.installed
 
 setup: $(STAMP)
 
-$(STAMP): requirements.lock $(addsuffix /pyproject.toml,$(PROJECTS))
+$(STAMP): requirements.lock requirements-ai2thor.lock $(addsuffix /pyproject.toml,$(PROJECTS))
 	@test -n "$(PYTHON)" || { echo "no Python 3.11 or newer was found: install one, or call make PYTHON=/path/to/python" >&2; exit 1; }
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps -r requirements-ai2thor.lock
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation $(addprefix -e ./,$(PROJECTS))
 	@touch $(STAMP)
 
@@ -39,6 +40,7 @@ lock:
 	    --python-version 3.11 --group dev --extra render --extra render-gl \
 	    $(foreach name,schemas nlu perception mapper dialogue viewer sim-feeder,--no-emit-package doro-$(name)) \
 	    $(addsuffix /pyproject.toml,$(PROJECTS)) -o requirements.lock
+	@echo "requirements-ai2thor.lock is pinned by hand: one package, no dependencies"
 
 # What is generated and committed: JSON Schemas, golden bytes, the topic table in the READMEs.
 generate: setup
