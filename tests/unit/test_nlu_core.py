@@ -165,3 +165,19 @@ def test_wiring_loads_the_model_and_takes_three_kinds() -> None:
 def test_a_missing_model_is_refused(tmp_path) -> None:
     with pytest.raises(Refused, match="cannot be read"):
         wire(RecordingShell(), NluSettings(model_dir=str(tmp_path)))
+
+
+@pytest.mark.parametrize(
+    "text", ["take the cup and the plate", "bring me the red cup and the small blue plate"]
+)
+def test_two_targets_are_not_understood(text: str) -> None:
+    reply = Nlu(NluSettings()).parse_text(text)
+    assert reply.graph is None
+    assert reply.reason == ("two targets were named, 'cup' and 'plate': ask for one at a time")
+
+
+@pytest.mark.parametrize("text", ["a cup and a plate", "take the cup and put it on the table"])
+def test_one_target_in_captions_and_with_side_actions(text: str) -> None:
+    graph = Nlu(NluSettings()).parse_text(text, caption=text.startswith("a ")).graph
+    assert graph is not None
+    assert graph.name == "cup"

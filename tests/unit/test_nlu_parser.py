@@ -4,8 +4,10 @@ import pytest
 from nlu_sentences import show
 
 from doro_nlu.parser import parse
+from doro_nlu.spelling import repair
 from doro_nlu.tagger import Tagged
 from doro_nlu.train.annotate import annotate
+from doro_nlu.train.lexicon import COLORS, MATERIALS, SHADES
 from doro_schemas.graph import MAX_DEPTH, walk
 
 
@@ -118,3 +120,25 @@ def test_broken_bio_and_long_chains_do_not_crash() -> None:
     graph = parse_marked(chain).graph
     assert graph is not None
     assert len(list(walk(graph))) == MAX_DEPTH
+
+
+@pytest.mark.parametrize(
+    ("value", "kind", "repaired"),
+    [
+        ("blakc", "color", "black"),
+        ("yelow", "color", "yellow"),
+        ("dark gren", "color", "dark green"),
+        ("wodden", "material", "wooden"),
+        ("wooen", "material", "wooen"),  # wooden or woolen
+        ("zorbel", "color", "zorbel"),
+        ("rad", "color", "rad"),
+        ("steal", "material", "steel"),
+    ],
+)
+def test_typos_of_values_are_repaired(value: str, kind: str, repaired: str) -> None:
+    assert repair(value, kind) == repaired
+
+
+def test_no_value_of_the_generator_is_taken_for_a_typo() -> None:
+    for kind, values in (("color", COLORS + SHADES), ("material", MATERIALS)):
+        assert [value for value in values if repair(value, kind) != value] == []

@@ -44,6 +44,25 @@ class Sentence:
         self.starts = {span.start: index for index, span in enumerate(self.nouns)}
         self.others = [span for span in spans if span.kind == OBJECT and span is not root]
 
+    def second_target(self) -> str:
+        """Return the text of an object joined to the first one ("the cup and the plate"), or "".
+
+        Between the two stand "and", "or" or a comma, a determiner and adjectives; a re-mention of
+        the same noun is no second target.
+        """
+        root = self.nouns[0]
+        for other in self.others:
+            before = [span for span in self.spans if is_noun(span.kind) and span.end <= other.start]
+            labelled = {at for span in self.spans for at in range(span.start, span.end)}
+            start = max((span.end for span in before), default=other.start)
+            gap = [self.words[at] for at in range(start, other.start) if at not in labelled]
+            joined = [word for word in gap[:2] if word in JOINTS]
+            rest = gap[len(joined) :]
+            near = not rest or (rest[0] in DETERMINERS and len(rest) <= 3)
+            if root.start < other.start and joined and near and other.text != root.text:
+                return other.text
+        return ""
+
     def values(self) -> list[Value]:
         """Return the self attributes with their nouns, without those of parts and of nothing."""
         found = []

@@ -134,6 +134,8 @@ class Nlu:
             )
         understood = (self._cached if caption else self._understand)([text])[0]
         tagged, result = understood.tagged, understood.parse
+        if result.second and result.graph and not caption:
+            result = Parse(None, [], "", 0.0, two_targets(result.graph.name, result.second))
         return ParseReply(
             text=text,
             task="" if caption else result.task,
@@ -177,6 +179,11 @@ class Nlu:
             )
             result = Parse(None, [], "", 0.0, reason)
         return Understood(text, tagged, result)
+
+
+def two_targets(first: str, second: str) -> str:
+    """Return the reason for an instruction with two objects: one is fetched at a time."""
+    return f"two targets were named, '{first}' and '{second[:80]}': ask for one at a time"
 
 
 def canonical(graph: ObjectGraph) -> ObjectGraph:

@@ -15,6 +15,7 @@ from typing import NamedTuple
 from doro_nlu.attach import Link, Sentence, Value
 from doro_nlu.labels import OBJECT
 from doro_nlu.spans import Span, spans_of
+from doro_nlu.spelling import repair
 from doro_nlu.tagger import Tagged
 from doro_nlu.task import task_of
 from doro_schemas.graph import MAX_DEPTH, ObjectGraph, Relation
@@ -26,7 +27,10 @@ MAX_RELATIONS = 64
 
 
 class Parse(NamedTuple):
-    """What a tagged sentence says; ``graph`` is None with a ``reason``, or the reason is empty."""
+    """What a tagged sentence says; ``graph`` is None with a ``reason``, or the reason is empty.
+
+    ``second`` names another target beside the object ("the cup and the plate"), else empty.
+    """
 
     graph: ObjectGraph | None
     readings: list[ObjectGraph]
@@ -34,6 +38,7 @@ class Parse(NamedTuple):
     confidence: float
     reason: str
     object_probability: float = 0.0
+    second: str = ""
 
 
 class Found(NamedTuple):
@@ -65,7 +70,15 @@ def parse(tagged: Tagged, text: str) -> Parse:
     used = [root, *(value.span for value in values if value.noun in reached)]
     used += [span for link in links for span in (link.connector, sentence.nouns[link.target])]
     confidence = min(span.probability for span in used)
-    return Parse(graphs[0], readings[:MAX_READINGS], task, confidence, "", root.probability)
+    return Parse(
+        graphs[0],
+        readings[:MAX_READINGS],
+        task,
+        confidence,
+        "",
+        root.probability,
+        sentence.second_target(),
+    )
 
 
 def no_object(text: str) -> str:
@@ -114,15 +127,15 @@ def _attributes(noun: int, values: Sequence[Value]) -> dict[str, str]:
     found: dict[str, list[str]] = {}
     for value in values:
         if value.noun == noun:
-            text = _plain(value.span.text)
+            text = _plain(value.span.text, kind=value.span.kind)
             if text not in found.setdefault(value.span.kind, []):
                 found[value.span.kind].append(text)
     return {kind: " and ".join(texts) for kind, texts in sorted(found.items())}
 
 
-def _plain(value: str) -> str:
-    """Return a value's canonical form without "coloured" ("orange colored" -> "orange")."""
-    words = value.split(" ")
+def _plain(value: str, *, kind: str) -> str:
+    """Return a value's canonical form, typos repaired, "orange colored" without "colored"."""
+    words = repair(value, kind).split(" ")
     if len(words) > 1 and words[-1] in ("colored", "coloured", "color", "colour"):
         words = words[:-1]
     return canonical_value(" ".join(words))
