@@ -76,24 +76,19 @@ class EncoderTagger:
         return word.lower() in self._pieces
 
     def tag(self, sentences: Sequence[Sequence[str]]) -> list[Tagged]:
-        """Return the tagged sentences of one batch, run at once, in their order."""
-        full = [tokens for tokens in sentences if tokens]
-        results = iter(self._run(full) if full else [])
-        return [next(results) if tokens else Tagged([], [], []) for tokens in sentences]
+        """Return the tagged sentences in their order.
 
-    def _run(self, sentences: Sequence[Sequence[str]]) -> list[Tagged]:
-        rows, owners = rows_of([[self._ids(token) for token in tokens] for tokens in sentences])
+        Each one is run by itself: int8 activations of a batch share one scale, so that a batch
+        would make a label depend on the other sentences of it.
+        """
+        return [self._run(tokens) if tokens else Tagged([], [], []) for tokens in sentences]
+
+    def _run(self, tokens: Sequence[str]) -> Tagged:
+        rows, _ = rows_of([[self._ids(token) for token in tokens]])
         feed = {"pieces": rows.pieces, "mask": rows.mask}
         logits = np.asarray(self._session.run(None, feed)[0], np.float32)
-        scores: list[list[np.ndarray[tuple[int, ...], np.dtype[np.float32]]]]
-        scores = [[] for _ in sentences]
-        for row, (owner, firsts) in enumerate(zip(owners, rows.firsts, strict=True)):
-            scores[owner].append(logits[row, firsts])
-        tagged = []
-        for tokens, parts in zip(sentences, scores, strict=True):
-            labels, probabilities = self._decoder.decode(np.concatenate(parts))
-            tagged.append(Tagged(list(tokens), labels, probabilities))
-        return tagged
+        scores = [logits[row, firsts] for row, firsts in enumerate(rows.firsts)]
+        return Tagged(list(tokens), *self._decoder.decode(np.concatenate(scores)))
 
     def _ids(self, word: str) -> list[int]:
         """Return a word's pieces; words repeat, so they are kept up to a bound."""

@@ -21,8 +21,8 @@ quantised at run time; {bytes} bytes.
 - Command: `OMP_NUM_THREADS=1 python -m doro_nlu.train.encoder --seed {seed} --layers {layers} --steps {steps} --batch {batch} --rate {rate} --weak-every {weak_every} --sure {sure} --base DIR --weak FILE... --out DIR`
 - Largest difference between torch's and the fp32 ONNX's logits: {parity:.1e}
 - sha256 of model.onnx: `{sha256}`
-- Limits: English only; a probability may change in the third digit with the other sentences of a batch
-  (activations of a batch share their scale).
+- Limits: English only; sentences are run one by one, as int8 activations of a batch share one scale; int8 on a
+  processor without VNNI was not measured.
 """  # noqa: E501
 
 

@@ -16,6 +16,7 @@ from pathlib import Path
 import msgspec
 
 from doro_nlu.labels import LABELS, OUTSIDE
+from doro_nlu.spans import spans_of
 from doro_nlu.tagger import Tagger, load_tagger
 from doro_nlu.train.annotate import Example
 from doro_nlu.train.generate import Generator
@@ -33,7 +34,10 @@ class LabelScore(msgspec.Struct, frozen=True):
 
 
 class Report(msgspec.Struct, frozen=True):
-    """Figures over a set; the weighted F1 is over labels other than O, weighted by support."""
+    """Figures over a set; the weighted F1 is over labels other than O, weighted by support.
+
+    ``entity_f1`` counts whole spans: type and both ends have to be right.
+    """
 
     sentences: int
     tokens: int
@@ -41,6 +45,7 @@ class Report(msgspec.Struct, frozen=True):
     weighted_f1_with_o: float
     sentence_accuracy: float
     labels: dict[str, LabelScore]
+    entity_f1: float
 
 
 def evaluate(tagger: Tagger, examples: Sequence[Example], batch: int = 64) -> Report:
@@ -48,11 +53,14 @@ def evaluate(tagger: Tagger, examples: Sequence[Example], batch: int = 64) -> Re
     right: Counter[str] = Counter()
     said: Counter[str] = Counter()
     gold: Counter[str] = Counter()
-    whole = 0
+    whole = hits = spans = 0
     for start in range(0, len(examples), batch):
         chunk = examples[start : start + batch]
         for example, tagged in zip(chunk, tagger.tag([e.tokens for e in chunk]), strict=True):
             whole += tagged.labels == example.labels
+            ours, theirs = _entities(tagged.labels), _entities(example.labels)
+            hits += len(ours & theirs)
+            spans += len(ours) + len(theirs)
             for want, got in zip(example.labels, tagged.labels, strict=True):
                 gold[want] += 1
                 said[got] += 1
@@ -65,7 +73,13 @@ def evaluate(tagger: Tagger, examples: Sequence[Example], batch: int = 64) -> Re
         weighted_f1_with_o=_weighted(scores),
         sentence_accuracy=whole / max(len(examples), 1),
         labels=scores,
+        entity_f1=2 * hits / max(spans, 1),
     )
+
+
+def _entities(labels: Sequence[str]) -> set[tuple[str, int, int]]:
+    spans = spans_of([""] * len(labels), labels, [1.0] * len(labels))
+    return {(span.kind, span.start, span.end) for span in spans}
 
 
 def _score(right: int, said: int, gold: int) -> LabelScore:
@@ -89,7 +103,7 @@ def table(report: Report) -> str:
     ]
     rows.append(
         f"\nWeighted F1 without O {report.weighted_f1:.3f}, with O {report.weighted_f1_with_o:.3f};"
-        f" sentences all right {report.sentence_accuracy:.3f} of {report.sentences}."
+        f" entity F1 {report.entity_f1:.3f}; sentences all right {report.sentence_accuracy:.3f} of {report.sentences}."
     )
     return "\n".join(rows)
 
