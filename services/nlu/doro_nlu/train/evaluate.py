@@ -103,7 +103,8 @@ def table(report: Report) -> str:
     ]
     rows.append(
         f"\nWeighted F1 without O {report.weighted_f1:.3f}, with O {report.weighted_f1_with_o:.3f};"
-        f" entity F1 {report.entity_f1:.3f}; sentences all right {report.sentence_accuracy:.3f} of {report.sentences}."
+        f" entity F1 {report.entity_f1:.3f};"
+        f" sentences all right {report.sentence_accuracy:.3f} of {report.sentences}."
     )
     return "\n".join(rows)
 
