@@ -155,6 +155,31 @@ def decide(common: Common, paper_literal: bool, seed: int) -> None:
     )
 
 
+@main.command()
+@click.option("--seed", default=0, show_default=True, help="Chooses the wording.")
+@common_options
+@says_refusals
+def answer(common: Common, seed: int) -> None:
+    """JSON lines as for decide with "query","answer" -> {"id","action","target",...}."""
+    from doro_console.lines import answer_line, load_nlu, run_lines
+
+    nlu = load_nlu(common.overrides)
+    run_lines(sys.stdin, sys.stdout, lambda one: answer_line(nlu, one, seed=seed))
+
+
+@main.command()
+@click.option("--wait", "wait_s", default=60.0, show_default=True, help="Seconds for a query.")
+@common_options
+@says_refusals
+def chat(common: Common, wait_s: float) -> None:
+    """Talk with the running services: instructions, questions, answers, until end of input."""
+    from doro_console.chat import run_chat
+
+    with common.bus("chat") as bus:
+        bus.stop_on_signals()
+        run_chat(bus, sys.stdin, wait_s)
+
+
 @main.group()
 def bench() -> None:
     """Measure; figures go to stdout and, with --json, into a file."""

@@ -6,7 +6,14 @@ import time
 
 from doro_schemas.bus import Bus
 from doro_schemas.errors import Refused
-from doro_schemas.messages import Instruction, InstructionGraph, Query, Rejected
+from doro_schemas.messages import (
+    Answer,
+    Instruction,
+    InstructionGraph,
+    Query,
+    Rejected,
+    Target,
+)
 from doro_schemas.messages.base import Message
 from doro_schemas.topics import TOPICS
 
@@ -20,8 +27,9 @@ class Conversation:
         self._bus = bus
         self.parsed: list[InstructionGraph] = []
         self.queries: list[Query] = []
+        self.targets: list[Target] = []
         self.rejected: list[Rejected] = []
-        for name in ("instruction_graph", "query", "rejected"):
+        for name in ("instruction_graph", "query", "target", "rejected"):
             bus.subscribe(TOPICS[name], self._heard, late=False)
 
     def say(self, text: str) -> InstructionGraph:
@@ -46,6 +54,34 @@ class Conversation:
             raise Refused("nobody understood the instruction: is doro-nlu running on this router?")
         return self.parsed[-1]
 
+    def answer(self, text: str, query: Query, timeout_s: float) -> tuple[Query, list[Target]]:
+        """Answer a query; return what is said to it, and the targets if it is resolved.
+
+        Raises:
+            Refused: the answer is refused, or nobody took it.
+        """
+        try:
+            answer = Answer(text=text, dialogue_id=query.dialogue_id, stamp_ns=time.time_ns())
+        except ValueError as error:
+            raise Refused(str(error)) from error
+        count, refusals, targets = len(self.queries), len(self.rejected), len(self.targets)
+        self._bus.publish(answer)
+        deadline_s = time.monotonic() + timeout_s
+        self._bus.run_until(
+            deadline_s,
+            lambda: len(self.queries) > count or len(self.rejected) > refusals,
+        )
+        if len(self.rejected) > refusals:
+            raise Refused(self.rejected[-1].reason)
+        if len(self.queries) == count:
+            raise Refused("nobody took the answer: is doro-dialogue running on this router?")
+        reply = self.queries[-1]
+        if reply.reason in ("answered", "unique_match"):
+            # A target follows each clause's instances on its own key.
+            wanted = targets + sum(len(clause.instance_ids) for clause in reply.clauses)
+            self._bus.run_until(deadline_s, lambda: len(self.targets) >= wanted)
+        return reply, self.targets[targets:]
+
     def wait_for_query(self, count: int, timeout_s: float) -> Query | None:
         """Return the latest query once there are ``count``; None if they do not come in time."""
         self._bus.run_until(time.monotonic() + timeout_s, lambda: len(self.queries) >= count)
@@ -56,5 +92,7 @@ class Conversation:
             self.parsed.append(message)
         elif isinstance(message, Query):
             self.queries.append(message)
+        elif isinstance(message, Target):
+            self.targets.append(message)
         elif isinstance(message, Rejected):
             self.rejected.append(message)

@@ -1,4 +1,4 @@
-"""``doro parse`` and ``doro decide``: JSON lines in, JSON lines out, by the services' cores."""
+"""``doro parse``, ``decide`` and ``answer``: JSON lines in and out, by the services' cores."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import IO, Any
 
 import msgspec
 
+from doro_dialogue.answer_lines import answer_record
 from doro_dialogue.decide_lines import decide_record
 from doro_nlu.core import Nlu
 from doro_nlu.settings import NluSettings
@@ -36,14 +37,29 @@ def parse_record(nlu: Nlu, record: Record, *, caption: bool) -> Record:
 
 def decide_line(nlu: Nlu, record: Record, *, paper_literal: bool, seed: int) -> Record:
     """Return the decision of one record; an ``instruction`` is parsed first."""
-    if record.get("graph") is None and "instruction" in record:
-        parsed = parse_record(
-            nlu, {"id": record.get("id"), "text": record["instruction"]}, caption=False
-        )
-        if parsed["graph"] is None:
-            return {"id": record.get("id"), "error": parsed["reason"]}
-        record = {**record, "graph": parsed["graph"], "task": parsed["task"]}
+    record = _with_graph(nlu, record)
+    if "graph" not in record and "error" in record:
+        return record
     return decide_record(record, paper_literal=paper_literal, seed=seed)
+
+
+def answer_line(nlu: Nlu, record: Record, *, seed: int) -> Record:
+    """Return what an answer comes to; instruction and answer are parsed by the same nlu."""
+    record = _with_graph(nlu, record)
+    if "graph" not in record and "error" in record:
+        return record
+    return answer_record(record, lambda text: nlu.parse_text(text).graph, seed=seed)
+
+
+def _with_graph(nlu: Nlu, record: Record) -> Record:
+    """Return the record with the graph of its ``instruction``, or an ``error`` record."""
+    if record.get("graph") is not None or "instruction" not in record:
+        return record
+    name = record.get("id")
+    parsed = parse_record(nlu, {"id": name, "text": record["instruction"]}, caption=False)
+    if parsed["graph"] is None:
+        return {"id": name, "error": parsed["reason"]}
+    return {**record, "graph": parsed["graph"], "task": parsed["task"]}
 
 
 def load_nlu(overrides: Iterable[str]) -> Nlu:

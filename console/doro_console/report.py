@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from doro_schemas.messages import Clause, InstructionGraph, Query
+from doro_schemas.messages import Clause, InstructionGraph, Query, Target
 
 
 def describe_graph(parsed: InstructionGraph) -> str:
@@ -30,6 +30,12 @@ def describe_query(query: Query) -> list[str]:
     for number, clause in enumerate(query.clauses, 1):
         lines += [f"  {number}. {clause.text}", *_evidence(clause)]
     return lines
+
+
+def describe_target(target: Target) -> str:
+    """Return where the robot may go, in one line."""
+    position = ", ".join(f"{value:.2f}" for value in target.position_m)
+    return f"target: {target.instance_id} at {position} m"
 
 
 def _evidence(clause: Clause) -> list[str]:

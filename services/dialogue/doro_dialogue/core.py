@@ -3,7 +3,8 @@
 An instruction waits until the exploration of the current episode is finished; then the map
 is asked for the instances of its class, and the reply becomes a Query. Later deltas ask
 again, and a changed decision becomes a revised Query. While frames stream, a Belief says
-how the decision stands. Every instruction is a dialogue of its own.
+how the decision stands. Every instruction is a dialogue of its own; what a person answers
+is taken by :mod:`doro_dialogue.turns`.
 """
 
 from __future__ import annotations
@@ -14,16 +15,20 @@ import msgspec
 
 from doro_dialogue.facts import check_depth, name_of
 from doro_dialogue.settings import DialogueSettings
-from doro_dialogue.talk import belief_of, decide_on, query_of, same_decision
+from doro_dialogue.talk import belief_of, decide_on, query_of, same_decision, targets_of
+from doro_dialogue.talks import Pending, Talk
+from doro_dialogue.turns import ANSWER_COUNTERS, Turns
 from doro_schemas.effects import Ask, Output, Unanswered
 from doro_schemas.errors import Refused
-from doro_schemas.graph import ObjectGraph
 from doro_schemas.messages import (
+    Answer,
     Exploration,
     GridDelta,
     Instances,
     InstancesRequest,
     InstructionGraph,
+    ParseReply,
+    ParseRequest,
     Query,
 )
 
@@ -31,39 +36,9 @@ MAX_DIALOGUES = 200
 UNNAMED_EPISODE = "episode"
 COUNTERS = (
     *("instructions", "not_understood", "deltas", "other_episode"),
+    *ANSWER_COUNTERS,
     *("asks", "unanswered", "unexpected_replies", "beliefs", "queries", "revisions"),
 )
-
-
-class Talk(msgspec.Struct, kw_only=True):
-    """One instruction and how far its dialogue is.
-
-    Attributes:
-        instruction, graph: what was said and understood.
-        number: ordinal within its episode, from 1; 0 while no episode has taken it up.
-        query: the latest published, None while undecided.
-        asked: requests on their way for it.
-        stale: the map changed while one was on its way.
-        short_replies: replies in a row that lacked the last frame and brought nothing new.
-        frames_merged: frames in the map of the latest reply.
-    """
-
-    instruction: InstructionGraph
-    graph: ObjectGraph
-    number: int = 0
-    query: Query | None = None
-    asked: int = 0
-    stale: bool = False
-    short_replies: int = 0
-    frames_merged: int = -1
-
-
-class Pending(msgspec.Struct, kw_only=True):
-    """A request on its way: for which dialogue, for what, and the stamp of its cause."""
-
-    talk: Talk
-    purpose: Literal["decide", "belief"]
-    stamp_ns: int
 
 
 class Dialogue:
@@ -78,7 +53,9 @@ class Dialogue:
         self._finished = Exploration(state="finished")
         self._taken_up = 0
         self._deltas = 0
+        self._spoken = 0
         self.counters: dict[str, int] = dict.fromkeys(COUNTERS, 0)
+        self._turns = Turns(settings, self.counters)
 
     def instruction_graph(self, message: InstructionGraph) -> list[Output]:
         """Open a dialogue; after the end of the exploration the map is asked at once.
@@ -157,6 +134,36 @@ class Dialogue:
             self._forget_pending()
             raise Refused(refused.reason, episode=self._episode) from refused
 
+    def answer(self, message: Answer) -> list[Output]:
+        """Take what a person answers; its words go to the parser where they describe.
+
+        Raises:
+            Refused: no such dialogue, or it is finished, or nothing was asked.
+        """
+        talk = self._turns.find(message, [t for t in self._talks if t.number > 0], self._id_of)
+        return self._after(talk, message.stamp_ns, self._turns.take(talk, message))
+
+    def parse_reply(self, message: ParseReply) -> list[Output]:
+        """Take the parser's graph of an answer's words; with the last one it is understood."""
+        reading = self._turns.read(message)
+        if reading is None:
+            return []
+        talk, stamp_ns = reading.talk, reading.answer.stamp_ns
+        return self._after(talk, stamp_ns, self._turns.conclude(reading))
+
+    def _after(self, talk: Talk, stamp_ns: int, outputs: list[Output]) -> list[Output]:
+        """Remember what was said last; ask the map where another object is wanted."""
+        for output in outputs:
+            if isinstance(output, Query):
+                self._speak(talk, output)
+        if talk.replaced and talk.stale and talk.asked == 0:
+            return [*outputs, self._ask(talk, "decide", stamp_ns)]
+        return outputs
+
+    def _speak(self, talk: Talk, query: Query) -> None:
+        self._spoken += 1
+        talk.query, talk.spoken = query, self._spoken
+
     def unanswered(self, message: Unanswered) -> list[Output]:
         """Keep the dialogues waiting; the next delta, exploration or instruction asks again.
 
@@ -164,6 +171,8 @@ class Dialogue:
             Refused: always, for the operator.
         """
         self.counters["unanswered"] += 1
+        if isinstance(message.request, ParseRequest):
+            self._turns.forget(message)
         waiting = sum(talk.query is None for talk in self._of_episode())
         self._forget_pending()
         raise Refused(
@@ -180,8 +189,9 @@ class Dialogue:
         self._talks = [
             Talk(instruction=talk.instruction, graph=talk.graph, number=-1 if talk.number else 0)
             for talk in self._talks
-            if talk.query is None
+            if talk.query is None or (talk.searching and not talk.ended)
         ]
+        self._turns.clear()
         self._take_up()
 
     def _take_up(self) -> None:
@@ -196,7 +206,11 @@ class Dialogue:
                 talk.number = self._taken_up
 
     def _of_episode(self) -> list[Talk]:
-        return [talk for talk in self._talks if talk.number > 0]
+        return [
+            talk
+            for talk in self._talks
+            if talk.number > 0 and not talk.ended and not talk.searching
+        ]
 
     def _decide_open(self, stamp_ns: int) -> list[Output]:
         """Ask for every dialogue that is undecided or stale and has no request on its way."""
@@ -240,7 +254,7 @@ class Dialogue:
         talk, stamp_ns = pending.talk, pending.stamp_ns
         talk.asked -= 1
         again: list[Output] = []
-        if self._wait_for_map(talk, reply):
+        if talk.wait_for_map(reply, self._finished.frames - 1, self._settings.settle_asks):
             return [self._ask(talk, "decide", stamp_ns)]
         if talk.stale:
             again = [self._ask(talk, "decide", stamp_ns)]
@@ -255,30 +269,25 @@ class Dialogue:
             episode=self._episode,
         )
         before = talk.query
+        talk.reply = reply
         if before is None:
             # The moment it is about is the end of the exploration, in every replay the same.
             stamp_ns = self._finished.stamp_ns
             self.counters["queries"] += 1
-        elif same_decision(before, query):
+        elif talk.decided is not None and same_decision(talk.decided, query):
             return again
         else:
             self.counters["revisions"] += 1
         revision = 0 if before is None else before.revision + 1
-        talk.query = msgspec.structs.replace(query, stamp_ns=stamp_ns, revision=revision)
-        return [talk.query, *again]
-
-    def _wait_for_map(self, talk: Talk, reply: Instances) -> bool:
-        """Tell whether to ask again since the map still lacks the last frame.
-
-        Bounded: a frame that was lost on the way must not silence the dialogue.
-        """
-        last = self._finished.frames - 1
-        if talk.query is not None or max(reply.last_frame, reply.frames_merged - 1) >= last:
-            return False
-        grew = reply.frames_merged > talk.frames_merged
-        talk.frames_merged = reply.frames_merged
-        talk.short_replies = 0 if grew else talk.short_replies + 1
-        return talk.short_replies < self._settings.settle_asks
+        query = msgspec.structs.replace(query, stamp_ns=stamp_ns, revision=revision)
+        talk.decided = query
+        self._speak(talk, query)
+        replaced, talk.replaced = talk.replaced, False
+        if replaced and query.state == "CONFIRM" and not again:
+            # The person has just named it: nothing is left to ask.
+            self._turns.end(talk, "resolved")
+            return [query, *targets_of(query, query.matches, reply)]
+        return [query, *again]
 
     def _id_of(self, talk: Talk) -> str:
         return f"{self._episode or UNNAMED_EPISODE}/{talk.number}"

@@ -64,9 +64,9 @@ def compose(decision: Decision, *, task: str = "", unseen_share: float = 0.0) ->
     if decision.literal:
         return _literal(decision)
     build: dict[str, Callable[[], Question]] = {
-        "CONFIRM": lambda: _confirm(decision, _carries(task)),
-        "INFORM-MISMATCH": lambda: _mismatch(decision, _carries(task)),
-        "INFORM-AMBIGUITY": lambda: _ambiguity(decision, _carries(task)),
+        "CONFIRM": lambda: _confirm(decision, carries(task)),
+        "INFORM-MISMATCH": lambda: _mismatch(decision, carries(task)),
+        "INFORM-AMBIGUITY": lambda: _ambiguity(decision, carries(task)),
         "INFORM-MISSING": lambda: _missing(decision, unseen_share),
     }
     return build[decision.state]()
@@ -83,7 +83,8 @@ def pick(wordings: Sequence[str], seed: int, key: str) -> str:
     return wordings[int.from_bytes(digest[:8], "big") % len(wordings)]
 
 
-def _carries(task: str) -> bool:
+def carries(task: str) -> bool:
+    """Tell whether "I will take it" answers a task; an empty one counts."""
     first = task.strip().lower().split(" ")[0]
     return not first or first in CARRYING
 

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 from doro_dialogue.decision import Decision, decide, paper_literal
 from doro_dialogue.facts import Candidate
-from doro_dialogue.question import Part, Question, compose, pick
+from doro_dialogue.question import Part, compose, pick
 from doro_dialogue.settings import DialogueSettings
 from doro_schemas.graph import ObjectGraph
-from doro_schemas.messages import Belief, Clause, Evidence, Instance, Instances, Query
+from doro_schemas.messages import Belief, Clause, Evidence, Instance, Instances, Query, Target
 from doro_schemas.messages.language import InstructionGraph
 
 MAX_EVIDENCE = 3
@@ -41,7 +41,7 @@ def query_of(
         state=decision.state,
         reason=decision.reason,
         text=pick(question.wordings, settings.seed, dialogue_id),
-        clauses=clauses_of(question, reply.instances),
+        clauses=clauses_of(question.parts, reply.instances),
         matches=decision.matches,
         instances=decision.instances,
         unseen_share=reply.unseen_share,
@@ -49,10 +49,10 @@ def query_of(
     )
 
 
-def clauses_of(question: Question, instances: Sequence[Instance]) -> list[Clause]:
+def clauses_of(parts: Sequence[Part], instances: Sequence[Instance]) -> list[Clause]:
     """Return the clauses with the frames, boxes and cells that support them."""
     by_id = {one.instance_id: one for one in instances}
-    return [_clause(part, [by_id[name] for name in part.instance_ids]) for part in question.parts]
+    return [_clause(part, [by_id[name] for name in part.instance_ids]) for part in parts]
 
 
 def belief_of(decision: Decision, reply: Instances, dialogue_id: str, episode: str) -> Belief:
@@ -66,6 +66,23 @@ def belief_of(decision: Decision, reply: Instances, dialogue_id: str, episode: s
         instances=decision.instances,
         frames_merged=reply.frames_merged,
     )
+
+
+def targets_of(query: Query, ids: Sequence[str], reply: Instances) -> list[Target]:
+    """Return where the instances are that the person means, in the order given."""
+    by_id = {one.instance_id: one for one in reply.instances}
+    return [
+        Target(
+            stamp_ns=query.stamp_ns,
+            episode=query.episode,
+            dialogue_id=query.dialogue_id,
+            instance_id=name,
+            graph=by_id[name].graph,
+            position_m=by_id[name].position_m,
+            extent_m=by_id[name].extent_m,
+        )
+        for name in ids
+    ]
 
 
 def same_decision(a: Query, b: Query) -> bool:

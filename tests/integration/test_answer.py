@@ -1,0 +1,87 @@
+"""Through the bus: instruction -> query -> answer -> target, with real processes."""
+
+from __future__ import annotations
+
+import io
+import json
+import subprocess
+
+from doro_console.chat import run_chat
+from doro_schemas.bus import Bus
+from doro_schemas.messages import Answer, Target
+from doro_schemas.messages.base import Message
+from doro_schemas.topics import TOPICS
+from tests.integration.chain import BIN, Chain
+
+
+def test_instruction_query_answer_target(capsys) -> None:  # type: ignore[no-untyped-def]
+    with Chain() as chain:
+        targets: list[Target] = []
+
+        def heard(message: Message) -> None:
+            assert isinstance(message, Target)
+            targets.append(message)
+
+        chain.bus.subscribe(TOPICS["target"], heard, late=False)
+        chain.say("bring me the red cup")
+        chain.play()
+        query = chain.query(1)
+        assert query.state == "INFORM-AMBIGUITY"
+        assert [len(clause.instance_ids) for clause in query.clauses] == [1, 1]
+
+        # Nobody can tell from "yes" (plain text, as any tool puts it): asked again.
+        chain.bus.session.put(TOPICS["answer"].key, b"yes")
+        again = chain.query(2)
+        assert (again.dialogue_id, again.revision) == (query.dialogue_id, 1)
+        assert again.reason == "ask_again"
+
+        # The words of the second clause mean its instance.
+        words = "the one" + query.clauses[1].text.removeprefix("one red cup")
+        chain.bus.publish(Answer(text=words, dialogue_id=query.dialogue_id, stamp_ns=2))
+        assert chain.wait(lambda: targets, 10.0)
+        assert [targets[0].instance_id] == query.clauses[1].instance_ids
+        assert targets[0].dialogue_id == query.dialogue_id
+        assert targets[0].graph.attributes["color"] == "red"
+        assert len(targets[0].position_m) == len(targets[0].extent_m) == 3
+        assert chain.query(3).reason == "answered"
+
+        # Finished is finished.
+        chain.bus.publish(Answer(text="the other one", dialogue_id=query.dialogue_id, stamp_ns=3))
+        assert f"'{query.dialogue_id}' is finished (resolved)" in chain.rejection(1).reason
+
+        # The same as a conversation at the terminal.
+        with Bus("chat", chain.settings) as bus:
+            lines = io.StringIO("bring me the red cup\nthe big one\nthe first one\n")
+            run_chat(bus, lines, 20.0)
+        robot, asked, resolved, target = capsys.readouterr().out.splitlines()
+        assert robot.startswith('robot:  "I found one red cup on top of the counter top')
+        assert "I could not tell from that." in asked
+        assert "I will take the red plastic cup on top of" in resolved
+        assert target.startswith(f"target: {query.clauses[0].instance_ids[0]} at ")
+        assert chain.wait(lambda: len(targets) == 2, 10.0)
+
+
+def test_doro_answer_on_stdin() -> None:
+    cups = [
+        {"id": color, "graph": {"name": "cup", "attributes": {"color": color}}}
+        for color in ("red", "blue")
+    ]
+    record = {
+        "id": "1",
+        "instruction": "bring me the cup",
+        "instances": cups,
+        "query": "I found one red cup, and one blue cup; which one do you mean?",
+        "answer": "the second one",
+    }
+    done = subprocess.run(
+        [str(BIN / "doro"), "answer"],
+        input=json.dumps(record) + "\n" + json.dumps({"id": "2", "answer": "x"}) + "\n",
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    first, second = map(json.loads, done.stdout.splitlines())
+    assert (first["action"], first["target"], first["targets"]) == ("resolved", "blue", ["blue"])
+    assert first["text"].endswith("take the blue cup.")
+    assert "has no graph" in second["error"]
