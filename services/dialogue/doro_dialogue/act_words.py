@@ -23,9 +23,10 @@ PROPERTIES = words(
 DESCRIBING = COLORS | MATERIALS | PROPERTIES | words("and very really")
 
 FILLER = re.compile(
-    r"\b(?:please|i think|i guess|i believe|i suppose|uh+|um+|er+m?|hmm+|well|thanks(?: a lot)?"
+    r"\b(?:please|i think|i guess|i believe|i suppose|uh+|um+|er+m?|hmm+|well"
+    r"|(?<!no )(?<!no, )thanks(?: a lot)?"
     r"|thank you|i would like|i'd like|maybe|probably|perhaps|just|robot|hey)\b"
-    r"|\b(?:that |which )?you (?:just )?(?:said|mentioned|named|listed|described|found|saw)\b"
+    r"|\b(?:that |which )?you (?:just )?(?:said|mentioned|named|listed|described)\b"
 )
 CANCEL = re.compile(
     r"^(?:no,? |oh,? |ok,? |okay,? )*(?:never ?mind|forget(?: about)?(?: it| that)?"
@@ -45,7 +46,8 @@ SEARCH = re.compile(
     rf"\b(?:look|search|looking|searching) (?:for (?:it|them) )?(?:again|around|elsewhere"
     rf"|somewhere else|further|more|{_PLACE_WORD}\b)"
     r"|\bkeep (?:looking|searching)\b"
-    r"|^(?:no, |then |so |and )*(?:go to|try|check|search|have you (?:looked|checked|tried)"
+    r"|^(?:no, |then |so |and |go |can you |could you |would you )*"
+    r"(?:go to|try|check|search|have you (?:looked|checked|tried)"
     r"|did you (?:look|check|try)|what about in)"
     r" (?:in |on |under |at )?(?:the|my|our|another|a|under|in|inside|behind|upstairs|downstairs)\b"
     r"(?!.*\bones?\b)"
@@ -90,6 +92,10 @@ EMPTY = re.compile(
     r"\b(?:the|of|it|them|these|those|ones?|is|are|fine|ok|okay|will|do|take|bring|get|me|to|for"
     r"|i|want|you|can|would)\b"
 )
+IT_IS = re.compile(
+    r"\b(?:it (?:should|must|might|could|may) be|it is|it's|it was"
+    r"|that is|that's|they are|this is)\b"
+)
 NO_CONTENT = re.compile(r"\b(?:the|a|an|this|that|take|want|bring|me|get|i|is|in|on|of)\b")
 CORRECTION = re.compile(
     r"\b(?:i (?:actually )?(?:meant|mean)|i was (?:talking about|thinking of)|actually|rather"
@@ -105,7 +111,8 @@ OTHER = re.compile(r"\b(?:other|remaining)(?: (?:ones?|two))?\b|\banother(?: one
 _NUMBER = "one|two|three|four|five|six|1|2|3|4|5|6"
 ORDINAL = re.compile(
     r"\b(first|second|third|fourth|fifth|sixth|1st|2nd|3rd|4th|5th|6th|last|final|former|latter)\b"
-    rf"(?! (?:to|from|closest|nearest|biggest))|(?:\b(?:number|option|no\.?) |#)({_NUMBER})\b"
+    rf"(?! (?:to|from|closest|nearest|biggest|two|three|four|five|few|ones)\b)"
+    rf"|(?:\b(?:number|option|no\.?) |#)({_NUMBER})\b"
     r"|^(?:the )?([1-6])$"
 )
 ORDINALS = {
@@ -135,7 +142,9 @@ UNCLEAR = re.compile(
     r"\b(?!forest|west|rest|chest|guest|vest|nest|nearest to|closest to)\w{2,}est\b(?! to)"
     r"|\b\w+ than\b.*|\b(?:more|less|most|least)\b|\b(?:far|farther|further|away) from\b.*"
     r"|\bmine\b|\byours\b|\b(?!it|that|what|there|let|he|she)\w+'s\b|\bbetween\b.*"
+    r"|\b(?:first|last) (?:two|three|four|five|few|ones)\b|\b(?:that |which )?you (?:saw|found)\b.*"
     r"|\bopposite\b.*|\b(?:second|next|third) to (?:the )?last\b|\bsame\b"
-    r"|\b(?:that |which )?(?:i|we|he|she|they|my \w+) (?!want|mean|need|take|like)\w+.*"
+    r"|\b(?:that |which )?(?:i|we|he|she|they|my \w+"
+    r"(?= (?:uses?|used|bought|gave|has|had|likes?|made))) (?!want|mean|need|take|like)\w+.*"
     r"|\b(?:belongs|belonging)\b.*"
 )

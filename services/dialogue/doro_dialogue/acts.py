@@ -22,6 +22,7 @@ from doro_dialogue.act_words import (
     DESCRIBING,
     EMPTY,
     FILLER,
+    IT_IS,
     LEADING_NO,
     LEADING_YES,
     NEGATION,
@@ -39,6 +40,7 @@ from doro_dialogue.act_words import (
 )
 
 Act = Literal["describe", "cancel", "search", "none", "any", "all", "yes", "no", "unclear"]
+LISTED = DESCRIBING | {"the", "one", "ones"}
 MAX_PHRASES = 8
 """More is no answer to a question, and each would be a request to the parser."""
 
@@ -174,7 +176,10 @@ def _alternatives(said: str, name: str) -> tuple[list[str], Literal["", "and", "
             rest = [part if part.startswith("NOT") else f"NOT {part}" for part in parts]
             if joint == "or" or rest == parts:
                 return [", ".join(rest)], ""
-        if joint == "or" or all(head.search(part) for part in parts):
+        listed = all(set(part.split()) <= LISTED for part in parts)
+        # "the red and the blue one", "the red and blue ones", not "the blue and white one"
+        several = listed and (parts[-1].startswith("the ") or parts[-1].endswith(" ones"))
+        if joint == "or" or several or all(head.search(part) for part in parts):
             return parts, "or" if joint == "or" else "and"
     return [said], ""
 
@@ -221,7 +226,7 @@ def _ordinal(said: str) -> tuple[int, str, bool]:
 
 def _to_parse(said: str, name: str) -> str:
     """Return the phrase with a head noun that the parser knows; empty if nothing is said."""
-    said = re.sub(r"\b(?:it is|it's|it was|that is|that's|they are|this is)\b", " ", said)
+    said = IT_IS.sub(" ", said)
     said = re.sub(r"\bby (?=the|a|my)\b", "near ", said)
     said = re.sub(r"\b(?:closest|nearest) to\b", "near", said)
     said = re.sub(r"\b(ones?|thing|object|item)\b", name, said)
@@ -231,6 +236,7 @@ def _to_parse(said: str, name: str) -> str:
         return ""
     if re.search(rf"\b{re.escape(name)}\b", said):
         return said
+    said = re.sub(r"^(?:(?:bring|take|get|give|fetch|grab|hand|want|i|me|to) )+", "", said)
     head = PREPOSITION.search(said)
     before, after = (said[: head.start()], said[head.start() :]) if head else (said, "")
     words = re.sub(r"^(?:the|a|an)\b ?", "", before.strip()).split()

@@ -130,6 +130,8 @@ def _other_object(scene: Scene, heard: Heard, graphs: Graphs) -> Outcome | None:
             if lies_there and not heard.corrects and not graph.attributes:
                 return Outcome("ask_again", about=lies_there)
             return Outcome("ask_again", replaced=graph)
+        if scene.state == "INFORM-MISSING" and graph.relations and not graph.attributes:
+            return Outcome("search_again")
         rooms = [r for r in graph.relations if is_room(r.target.name)]
         if rooms and not any(scene.verdict(graph, one) == "holds" for one in scene.ids):
             elsewhere = heard.corrects or scene.state in ("INFORM-MISSING", "INFORM-MISMATCH")
@@ -154,9 +156,9 @@ def _one(scene: Scene, heard: Heard, found: Found) -> Outcome:
         if wanted and (heard.count or len(holds)) == len(holds):
             return _take(holds, found.graph)
         return Outcome("ask_again", about=holds, graph=found.graph)
-    if found.maybe:
+    if found.maybe and not _others_that_fit(scene, found):
         return Outcome("ask_again", about=found.maybe, graph=found.graph)
-    return _beyond(scene, heard, found) if found.false else ASK
+    return _beyond(scene, heard, found) if found.false or found.maybe else ASK
 
 
 def _beyond(scene: Scene, heard: Heard, found: Found) -> Outcome:
@@ -164,13 +166,20 @@ def _beyond(scene: Scene, heard: Heard, found: Found) -> Outcome:
     graph = found.graph
     if graph is None:
         return ASK
-    holds = [one for one in scene.others if scene.verdict(graph, one) == "holds"]
+    holds = _others_that_fit(scene, found)
     if len(holds) == 1 and heard.corrects:
         return _take(holds, graph)
     maybe = [one for one in scene.others if scene.verdict(graph, one) == "unknown"]
     if holds or maybe:
         return Outcome("ask_again", about=holds or maybe, graph=graph)
     return Outcome("missing", graph=graph)
+
+
+def _others_that_fit(scene: Scene, found: Found) -> list[str]:
+    """Return the instances of the class that were not offered and that are described."""
+    if found.graph is None:
+        return []
+    return [one for one in scene.others if scene.verdict(found.graph, one) == "holds"]
 
 
 def _observed(scene: Scene, graph: ObjectGraph, name: str) -> bool:
