@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import signal
-import threading
 import time
 from collections.abc import Callable
 
@@ -56,9 +55,10 @@ def run_router(settings: BusSettings) -> None:
     Raises:
         Refused: the endpoint is taken, or the configuration does not fit.
     """
-    stopped = threading.Event()
-    for number in (signal.SIGTERM, signal.SIGINT):
-        signal.signal(number, lambda *_: stopped.set())
+    # Waited for, not handled: an Event that a handler sets can deadlock, where the signal comes
+    # while the main thread holds the event's lock.
+    stop_signals = (signal.SIGTERM, signal.SIGINT)
+    signal.pthread_sigmask(signal.SIG_BLOCK, stop_signals)
     try:
         session = zenoh.open(parse_config(config_text(settings, router=True)))
     except zenoh.ZError as error:
@@ -67,4 +67,4 @@ def run_router(settings: BusSettings) -> None:
             f" ({_words(error)})"
         ) from error
     with session:
-        stopped.wait()
+        signal.sigwait(stop_signals)
