@@ -5,18 +5,12 @@ The answers are parsed by nlu, as in ``doro answer``.
 
 from __future__ import annotations
 
-import random
-
 import pytest
 
 from doro_console.lines import answer_line, load_nlu
 from doro_dialogue.acts import hear
-from doro_dialogue.answer_lines import answer_record
-from doro_dialogue.decision import decide
-from doro_dialogue.facts import Candidate
-from doro_dialogue.question import compose
 from doro_nlu.core import Nlu
-from doro_schemas.graph import ObjectGraph, Relation
+from tests.unit.answer_scenes import SCENES
 
 AGAIN, MISSING, CANCELLED, ELSEWHERE = "ask_again", "missing", "cancelled", "search_again"
 
@@ -25,111 +19,6 @@ AGAIN, MISSING, CANCELLED, ELSEWHERE = "ask_again", "missing", "cancelled", "sea
 def nlu() -> Nlu:
     return load_nlu(())
 
-
-def thing(name="cup", color="", *, material="", on="", near="", inside=""):
-    """Return a graph as JSON; a landmark may have a color ("black table")."""
-
-    def landmark(words):
-        *own, noun = words.split(" ")
-        return {"name": noun, "attributes": {"color": own[0]} if own else {}, "relations": []}
-
-    relations = [("is-on", on), ("is-at", inside), ("is-near", near)]
-    attributes = {"color": color, "material": material}
-    return {
-        "name": name,
-        "attributes": {key: value for key, value in attributes.items() if value},
-        "relations": [{"type": k, "target": landmark(v)} for k, v in relations if v],
-    }
-
-
-SCENES = {
-    # Two cups; neither was described.
-    "two": (
-        thing(),
-        {"red": thing(color="red", on="table"), "blue": thing(color="blue", near="lamp")},
-        "I found one red cup, and one blue cup; which one do you mean?",
-    ),
-    "three": (
-        thing(),
-        {
-            "red": thing(color="red", on="table"),
-            "blue": thing(color="blue", near="lamp"),
-            "green": thing(color="green", on="shelf"),
-            "bowl": thing("bowl", "white"),
-        },
-        "I found one red cup, one blue cup, and one green cup; which one do you mean?",
-    ),
-    "row": (
-        thing(),
-        {"red": thing(color="red"), "blue": thing(color="blue"), "green": thing(color="green")},
-        "From left to right I see one green cup, one red cup, and one blue cup; which one?",
-    ),
-    "five": (
-        thing(color="red"),
-        {
-            "table": thing(color="red", material="plastic", on="table"),
-            "sink": thing(color="red", material="plastic", inside="sink"),
-            "glass": thing(color="red", material="glass", on="table"),
-            "shelf": thing(color="red", material="glass", on="shelf"),
-            "lamp": thing(color="red", material="metal", near="black lamp"),
-        },
-        "",
-    ),
-    "twins": (
-        thing(),
-        {
-            "a": thing(color="red", on="shelf"),
-            "b": thing(color="red", on="shelf"),
-            "blue": thing(color="blue"),
-        },
-        "",
-    ),
-    "only twins": (
-        thing(),
-        {"a": thing(color="red", on="shelf"), "b": thing(color="red", on="shelf")},
-        "I found two identical red cups on top of the shelf; is either of them fine?",
-    ),
-    # Nobody saw the color of the second.
-    "unknown": (
-        thing(),
-        {"red": thing(color="red", on="table"), "sink": thing(inside="sink")},
-        "I found one cup on top of the table, and one cup in the sink; which one do you mean?",
-    ),
-    # "bring me the red cup": it is blue.
-    "mismatch": (thing(color="red"), {"blue": thing(color="blue", on="table")}, ""),
-    "confirm": (
-        thing(color="red"),
-        {"red": thing(color="red", on="table"), "blue": thing(color="blue", near="lamp")},
-        "",
-    ),
-    "missing": (thing(color="red"), {"bowl": thing("bowl", "white")}, ""),
-    # Two red ones were offered, and there is a blue one.
-    "not offered": (
-        thing(color="red"),
-        {
-            "table": thing(color="red", on="table"),
-            "sink": thing(color="red", inside="sink"),
-            "blue": thing(color="blue", on="shelf"),
-        },
-        "",
-    ),
-    "landmarks": (
-        thing(),
-        {"black": thing(color="red", on="white table"), "red": thing(color="black", on="desk")},
-        "I found one red cup on top of the white table, and one black cup on top of the desk;"
-        " which one do you mean?",
-    ),
-    "kinds": (
-        thing("lamp"),
-        {"desk": thing("desk lamp"), "floor": thing("floor lamp")},
-        "I found one desk lamp, and one floor lamp; which one do you mean?",
-    ),
-    "shades": (
-        thing(),
-        {"blue": thing(color="blue"), "dark": thing(color="dark blue")},
-        "I found one blue cup, and one dark blue cup; which one do you mean?",
-    ),
-}
 
 CASES = [
     # attributes
@@ -386,59 +275,3 @@ def test_a_description_is_read_with_the_class_name_in_place_of_one():
     assert hear("red", "cup").texts == ["the red cup"]
     assert hear("on the table", "cup").texts == ["the cup on the table"]
     assert hear("the first", "cup").texts == []
-
-
-COLORS = ["red", "blue", "green", "white"]
-LANDMARKS = ["table", "sink", "shelf", "lamp"]
-
-
-def random_cup(rng: random.Random) -> ObjectGraph:
-    attributes = {"color": rng.choice(COLORS)} if rng.random() < 0.8 else {}
-    if rng.random() < 0.4:
-        attributes["material"] = rng.choice(["plastic", "glass"])
-    kinds = [kind for kind in ("is-on", "is-near") if rng.random() < 0.4]
-    return ObjectGraph(
-        "cup", attributes, [Relation(kind, ObjectGraph(rng.choice(LANDMARKS))) for kind in kinds]
-    )
-
-
-def test_the_words_of_a_clause_mean_its_instance(nlu):
-    """Of every clause that stands for one instance; twins are never told apart."""
-    resolved = asked = 0
-    for seed in range(250):
-        rng = random.Random(seed)
-        seen = [Candidate(f"cup-{i}", random_cup(rng)) for i in range(rng.randrange(2, 6))]
-        decision = decide(ObjectGraph("cup"), seen)
-        question = compose(decision)
-        instances = [{"id": one.id, "graph": as_json(one.graph)} for one in seen]
-        for part in question.parts:
-            words = "the " + part.text.split(" ", 1)[1]
-            got = answer_record(
-                {
-                    "id": seed,
-                    "graph": {"name": "cup"},
-                    "instances": instances,
-                    "query": question.wordings[0],
-                    "answer": words,
-                },
-                lambda text: nlu.parse_text(text).graph,
-            )
-            if words == "the other cup" and question.wordings[0].count("other") > 1:
-                # Several are "one other": which, these words do not say.
-                assert got["target"] is None
-            elif len(part.instance_ids) == 1:
-                assert got["target"] == part.instance_ids[0], (question.wordings[0], words, got)
-                resolved += 1
-            else:
-                assert got["target"] is None
-                asked += 1
-    assert resolved > 700
-    assert asked > 5
-
-
-def as_json(graph: ObjectGraph) -> dict:
-    return {
-        "name": graph.name,
-        "attributes": graph.attributes,
-        "relations": [{"type": r.type, "target": as_json(r.target)} for r in graph.relations],
-    }
