@@ -11,6 +11,7 @@ from doro_dialogue.acts import hear
 from doro_dialogue.decision import Decision, decide
 from doro_dialogue.facts import Candidate, name_of
 from doro_dialogue.question import compose
+from doro_dialogue.records import SceneRecord, answer_or_error
 from doro_dialogue.reply import Manner, decide_anew, reply_to
 from doro_dialogue.resolve import resolve
 from doro_dialogue.scene import Scene, read_question
@@ -25,11 +26,6 @@ EXAMPLE = (
 Parse = Callable[[str], ObjectGraph | None]
 
 
-class _Instance(msgspec.Struct):
-    id: str | int
-    graph: ObjectGraph
-
-
 class _Asked(msgspec.Struct):
     """A Query, as it travels."""
 
@@ -38,14 +34,9 @@ class _Asked(msgspec.Struct):
     state: State | None = None
 
 
-class _Record(msgspec.Struct):
-    id: str | int
-    graph: ObjectGraph
-    instances: list[_Instance]
+class _Record(SceneRecord, kw_only=True):
     answer: str
     query: str | _Asked = ""
-    task: str = ""
-    unseen_share: float = 0.0
 
 
 def answer_record(record: dict[str, Any], parse: Parse, *, seed: int = 0) -> dict[str, Any]:
@@ -61,27 +52,17 @@ def answer_record(record: dict[str, Any], parse: Parse, *, seed: int = 0) -> dic
         ``{"id", "action", "target", "targets", "text"}``, or ``{"id", "error"}`` with one
         sentence where the record does not fit. Nothing is raised.
     """
-    name = record.get("id") if isinstance(record, dict) else None
-    try:
-        if isinstance(record, dict) and record.get("graph") is None:
-            raise Refused(
-                "the record has no graph: the instruction was not given or not understood"
-            )
-        parsed = msgspec.convert(record, _Record, strict=True)
+
+    def work(parsed: _Record) -> dict[str, Any]:
         if not parsed.answer.strip():
             raise Refused("the answer is empty: give what the person said")
         return _answer(parsed, parse, seed)
-    except msgspec.ValidationError as error:
-        return {"id": name, "error": f"the record does not fit: {error}; it looks like {EXAMPLE}"}
-    except RecursionError:
-        return {"id": name, "error": "a graph of the record nests too deep: use fewer landmarks"}
-    except Refused as refused:
-        return {"id": name, "error": refused.reason}
+
+    return answer_or_error(record, _Record, EXAMPLE, work)
 
 
 def _answer(record: _Record, parse: Parse, seed: int) -> dict[str, Any]:
-    ids = {str(one.id): one.id for one in record.instances}
-    candidates = [Candidate(str(one.id), one.graph) for one in record.instances]
+    ids, candidates = record.own_ids(), record.candidates()
     scene = _scene(record, decide(record.graph, candidates), candidates)
     heard = hear(record.answer, name_of(record.graph.name))
     outcome = resolve(scene, heard, {text: parse(text) for text in heard.texts})
