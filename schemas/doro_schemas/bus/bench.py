@@ -3,7 +3,7 @@
 Two processes on one embedded router. The sender alternates raw and ours, message by
 message, so that both see the same noise; the receiver keeps the time from just before
 publishing to the moment when the application has it: raw bytes there, a validated message
-with us. ``python -m doro_schemas.bus.bench receive ENDPOINT`` is the receiving process.
+with us. ``python -m doro_schemas.bus.bench receive ENDPOINT COUNT`` is the receiving process.
 """
 
 from __future__ import annotations
@@ -36,6 +36,7 @@ RATE_HZ = {"1kB": 200.0, "rgbd": 20.0}
 WARM_UP = 20
 END_EPISODE = "end"
 READY = "ready"
+LAST_FRAMES_S = 5.0
 
 
 def caption_message(stamp_ns: int, number: int) -> FrameCaptions:
@@ -111,7 +112,7 @@ def run_bench(count: int, progress: Callable[[str, int], None]) -> dict[str, Any
         [sys.executable, "-m", "doro_schemas.router", "--set", f"bus.endpoint={endpoint}"]
     )
     receiver = subprocess.Popen(
-        [sys.executable, "-m", "doro_schemas.bus.bench", "receive", endpoint],
+        [sys.executable, "-m", "doro_schemas.bus.bench", "receive", endpoint, str(count + WARM_UP)],
         stdout=subprocess.PIPE,
         text=True,
     )
@@ -150,8 +151,12 @@ def _send_all(bus: Bus, count: int, progress: Callable[[str, int], None]) -> Non
             progress(series, number + 1)
 
 
-def receive(endpoint: str) -> None:
-    """Receive until the end message, then print the latencies as JSON."""
+def receive(endpoint: str, expected: int) -> None:
+    """Receive until the end message and all that was sent, then print the latencies as JSON.
+
+    The end travels on another key and at a higher priority, so it may come before the last
+    frames: these are waited for, but not for ever.
+    """
     latencies: dict[str, list[float]] = {
         f"{who}/{s}": [] for who in ("raw", "ours") for s in SERIES
     }
@@ -189,6 +194,9 @@ def receive(endpoint: str) -> None:
         bus.subscribe(TOPICS["rejected"], ended.append, late=False)
         print(READY, flush=True)
         bus.run_until(time.monotonic() + 600, lambda: bool(ended))
+        deadline_s = time.monotonic() + LAST_FRAMES_S
+        while min(map(len, latencies.values())) < expected and time.monotonic() < deadline_s:
+            bus.run_until(time.monotonic() + 0.05)
         for item in kept:
             item.undeclare()
         print(json.dumps(latencies), flush=True)
@@ -228,4 +236,4 @@ def _free_port() -> int:
 
 
 if __name__ == "__main__":
-    receive(sys.argv[2])
+    receive(sys.argv[2], int(sys.argv[3]))
