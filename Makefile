@@ -3,8 +3,8 @@ PYTHON ?= $(firstword $(shell command -v python3.11 python3.12 python3))
 VENV := .venv
 BIN := $(VENV)/bin
 PROJECTS := schemas services/nlu services/perception services/mapper services/dialogue \
-            services/viewer sim-feeder console
-PACKAGES := $(wildcard schemas/doro_* services/*/doro_* sim-feeder/doro_* console/doro_*)
+            services/viewer sim-feeder evaluation console
+PACKAGES := $(wildcard schemas/doro_* services/*/doro_* sim-feeder/doro_* evaluation/doro_* console/doro_*)
 STAMP := $(VENV)/.installed
 
 .PHONY: setup demo test check format lock generate clean
@@ -38,7 +38,7 @@ format: setup
 lock:
 	uv pip compile --quiet --universal --generate-hashes --no-emit-index-url --no-annotate --no-header \
 	    --python-version 3.11 --group dev --extra render --extra render-gl \
-	    $(foreach name,schemas nlu perception mapper dialogue viewer sim-feeder,--no-emit-package doro-$(name)) \
+	    $(foreach name,schemas nlu perception mapper dialogue viewer sim-feeder evaluation,--no-emit-package doro-$(name)) \
 	    $(addsuffix /pyproject.toml,$(PROJECTS)) -o requirements.lock
 	@echo "requirements-ai2thor.lock is pinned by hand: one package, no dependencies"
 

@@ -10,6 +10,7 @@ import click
 import msgspec
 from rich.console import Console
 
+from doro_console.evaluate import evaluate
 from doro_console.media import import_folder, play, record
 from doro_console.options import Common, common_options, says_refusals, talk
 from doro_console.rooms import rooms
@@ -207,7 +208,7 @@ def bench_play(json_path: Path | None, paced: int) -> None:
     run_bench_play(json_path, paced)
 
 
-for command in (play, record, import_folder, rooms):
+for command in (play, record, import_folder, rooms, evaluate):
     main.add_command(command)
 rooms.add_command(sheet)
 

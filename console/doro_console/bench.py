@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +11,7 @@ from rich.table import Table
 
 from doro_console.options import sample_recording, talk
 from doro_console.processes import free_port
+from doro_evaluation.figures import write_figures
 from doro_schemas.bus.bench import SERIES, WARM_UP, run_bench
 from doro_sim_feeder.bench import FRAMES
 from doro_sim_feeder.bench import run_bench as run_play
@@ -34,7 +33,7 @@ def run_bench_bus(json_path: Path | None, count: int) -> None:
             count, lambda series, sent: progress.update(tasks[series], completed=sent)
         )
     Console().print(_table(figures))
-    _keep(json_path, figures, f"doro bench bus --count {count}")
+    write_figures(json_path, figures, f"doro bench bus --count {count}")
 
 
 def run_bench_play(json_path: Path | None, paced_frames: int) -> None:
@@ -49,20 +48,7 @@ def run_bench_play(json_path: Path | None, paced_frames: int) -> None:
     for name, wanted in PLAY_TARGETS.items():
         table.add_row(name, str(figures[name]), wanted)
     Console().print(table)
-    _keep(json_path, figures, f"doro bench play --paced {paced_frames}")
-
-
-def _keep(json_path: Path | None, figures: dict[str, Any], command: str) -> None:
-    """Write flat figures where asked."""
-    if json_path is None:
-        return
-    report: dict[str, Any] = {
-        "figures": figures,
-        "command": command,
-        "seed": 0,
-        "version": version("doro-console"),
-    }
-    json_path.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    write_figures(json_path, figures, f"doro bench play --paced {paced_frames}")
 
 
 def _table(figures: dict[str, Any]) -> Table:

@@ -1,0 +1,1 @@
+"""Everything that measures: calls the services' cores in process (paper, Section V)."""
