@@ -80,7 +80,11 @@ def encode(message: Message) -> bytes:
     """Return the payload of a message."""
     kind = type(message)
     if not kind.SEGMENTS:
-        return bytes(msgpack.packb(msgspec.to_builtins(message)))
+        plain: dict[str, Any] = msgspec.to_builtins(message)
+        for name, default in kind.ADDED.items():
+            if plain[name] == default:
+                del plain[name]
+        return bytes(msgpack.packb(plain))
     fields = {
         name: msgspec.to_builtins(getattr(message, name))
         for name in kind.__struct_fields__

@@ -13,11 +13,21 @@ import msgspec
 MAX_DEPTH = 8
 
 
-class Relation(msgspec.Struct, frozen=True, omit_defaults=False):
-    """A relational attribute: ``type`` (is-on, is-near, is-at) and the landmark."""
+class Relation(msgspec.Struct, frozen=True, omit_defaults=True):
+    """A relational attribute: ``type`` (is-on, is-near, is-at) and the landmark.
+
+    Attributes:
+        type: the relation's type.
+        target: the landmark.
+        inverse: the relation runs from the landmark to the object: "the tray with the sponge
+            on it" is a tray with ``is-on`` sponge, inverse, since the sponge is on the tray.
+            Contents without a preposition ("a box with a cup") are inverse ``is-at``. On the
+            wire the field stands only where it is true.
+    """
 
     type: str
     target: ObjectGraph
+    inverse: bool = False
 
 
 class ObjectGraph(msgspec.Struct, frozen=True, omit_defaults=False):

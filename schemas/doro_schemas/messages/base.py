@@ -24,6 +24,9 @@ class Message(msgspec.Struct, kw_only=True):
 
     VERSION: ClassVar[int] = 1
     SEGMENTS: ClassVar[tuple[str, ...]] = ()
+    ADDED: ClassVar[dict[str, object]] = {}
+    """Fields that came after the first release and their defaults: with its default such a
+    field is left out on the wire, so that older bytes stay what they were."""
 
     stamp_ns: int = 0
     episode: str = ""

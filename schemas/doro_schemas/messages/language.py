@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from doro_schemas.graph import ObjectGraph
 from doro_schemas.messages.base import MAX_TEXT_CHARS, Message
 
@@ -33,11 +35,22 @@ class Parsed(Message, kw_only=True):
         text: the instruction or caption.
         task: the verb phrase of the task ("bring"), empty where unknown.
         tokens, labels: the tagger's sequence (BIO labels), of equal length.
+        probabilities: of each label, 0..1, of the same length; empty = not given.
         graph: the object graph; None if not understood.
-        readings: other graphs the sentence may mean (an attachment that is open).
+        readings: other graphs that the sentence may mean (an attachment that is open), the
+            likelier ones first, none of them twice, ``graph`` not among them.
+        reading_confidences: of each reading, 0..1, of the same length; empty = not given.
         reason: why it was not understood; empty if it was.
-        confidence: lowest probability over the labels that made the graph, 0..1.
+        reason_kind: the same as one word for programs: ``no_word``, ``language``,
+            ``no_object``, ``navigation``, ``two_targets`` or ``unsure``; empty if understood.
+        confidence: of ``graph``, 0..1: the lowest probability over the labels that made it.
     """
+
+    ADDED: ClassVar[dict[str, object]] = {
+        "probabilities": [],
+        "reading_confidences": [],
+        "reason_kind": "",
+    }
 
     text: str
     task: str = ""
@@ -47,6 +60,9 @@ class Parsed(Message, kw_only=True):
     readings: list[ObjectGraph] = []
     reason: str = ""
     confidence: float = 0.0
+    probabilities: list[float] = []
+    reading_confidences: list[float] = []
+    reason_kind: str = ""
 
 
 class InstructionGraph(Parsed, kw_only=True):
