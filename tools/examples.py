@@ -8,6 +8,7 @@ from doro_schemas import messages as m
 from doro_schemas.camera import intrinsics_from_vertical_fov, pose_from_ai2thor
 from doro_schemas.graph import ObjectGraph, Relation
 from doro_schemas.messages.base import Message
+from doro_schemas.viewpoint import Viewpoint
 
 STAMP_NS = 1_700_000_000_000_000_000
 TABLE = ObjectGraph(name="table", attributes={"color": "white"})
@@ -181,6 +182,18 @@ def _control() -> list[Message]:
     return [
         m.Exploration(
             **OF_EPISODE, state="finished", frames=8, room="FloorPlan1", covered_area_m2=9.5
+        ),
+        m.ExplorationGoal(
+            **OF_EPISODE,
+            frame=7,
+            frames_merged=8,
+            view=Viewpoint([1.0, 1.5, 2.0], 90.0, 30.0),
+            pose=pose_from_ai2thor((1.0, 1.5, 2.0), 90.0, 30.0),
+            distance_m=1.25,
+            gain=2.5,
+            parts={"area": 1.5, "tentative": 1.0},
+            reason="unseen area, 1 tentative cup",
+            unseen_share=0.25,
         ),
         m.Health(
             service="mapper",

@@ -1,6 +1,13 @@
 """All messages of the wire, one file per domain; versions are the ``v`` in their schema."""
 
-from doro_schemas.messages.control import Exploration, Health, Rejected, ServiceStatus, StageTiming
+from doro_schemas.messages.control import (
+    Exploration,
+    ExplorationGoal,
+    Health,
+    Rejected,
+    ServiceStatus,
+    StageTiming,
+)
 from doro_schemas.messages.frames import ColorFrame, DepthFrame
 from doro_schemas.messages.language import (
     Instruction,
@@ -40,6 +47,7 @@ __all__ = [
     "DepthFrame",
     "Evidence",
     "Exploration",
+    "ExplorationGoal",
     "FrameCaptions",
     "FrameGraphs",
     "GraphBox",

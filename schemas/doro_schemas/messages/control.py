@@ -1,4 +1,4 @@
-"""Exploration, health and refusals."""
+"""Exploration and its goals, health and refusals."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ from typing import Literal
 
 import msgspec
 
+from doro_schemas.camera import Pose
 from doro_schemas.messages.base import Message
+from doro_schemas.viewpoint import Viewpoint
 
 
 class Exploration(Message, kw_only=True):
@@ -17,12 +19,50 @@ class Exploration(Message, kw_only=True):
         frames: number of frames of the episode; -1 where unknown.
         room: name of the place, for people.
         covered_area_m2: area the robot has been to see; -1 where unknown.
+        goals: with ``started``: the robot follows :class:`ExplorationGoal`, one after each frame.
+        reachable: with ``started``: the views that goals are chosen from, where the robot knows
+            them; an angle left open may be any. Empty: the mapper proposes views from the free
+            floor that it has seen.
+
+    ``goals`` and ``reachable`` came after the first golden bytes: unset, they are not sent.
     """
 
     state: Literal["started", "finished"]
     frames: int = -1
     room: str = ""
     covered_area_m2: float = -1.0
+    goals: bool | msgspec.UnsetType = msgspec.UNSET
+    reachable: list[Viewpoint] | msgspec.UnsetType = msgspec.UNSET
+
+
+class ExplorationGoal(Message, kw_only=True):
+    """The next view worth taking, as of one merged frame.
+
+    Attributes:
+        camera, frame: the frame merged last.
+        frames_merged: frames in the map.
+        done: no reachable view promises enough; the robot may finish.
+        view: where to look from; None when done and nothing reachable is left.
+        pose: the same as a pose, for programs.
+        distance_m: way there over the floor seen so far, from the last frame's camera.
+        gain: what the view promises, in things and places made certain; what the travel costs
+            is not in it.
+        parts: the gain by reason: ``area``, ``tentative``, ``twins``, ``unclear``.
+        reason: the same for people, one phrase.
+        unseen_share: share of the area that no frame observed, 0..1, as in ``Instances``.
+    """
+
+    camera: str = "cam0"
+    frame: int = -1
+    frames_merged: int = 0
+    done: bool = False
+    view: Viewpoint | None = None
+    pose: Pose | None = None
+    distance_m: float = 0.0
+    gain: float = 0.0
+    parts: dict[str, float] = {}
+    reason: str = ""
+    unseen_share: float = 1.0
 
 
 class StageTiming(msgspec.Struct, frozen=True):
