@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 import msgspec
 
@@ -31,6 +31,13 @@ class Clause(msgspec.Struct, frozen=True):
     cells: list[list[int]] = []
 
 
+class SeenFrom(msgspec.Struct, frozen=True):
+    """The view that gives left and right their meaning: one frame of one camera."""
+
+    camera: str
+    frame: int
+
+
 class Query(Message, kw_only=True):
     """The robot's question, or its confirmation.
 
@@ -42,12 +49,29 @@ class Query(Message, kw_only=True):
         state: one of the paper's four.
         reason: why this state, one word or phrase (``unique_match``, ``no_match``, ...).
         text: what is said.
-        clauses: the candidates in the order of the text.
+        clauses: the candidates in the order of the text; with reason ``readings`` what the
+            sentence may mean, each with the instances that it would single out.
         matches: ids of the instances for which all that was said holds.
         instances: ids of all instances of the class.
         unseen_share: share of the area not observed, 0..1.
         map_digest: the map that it was decided on.
+        frames_merged: frames in that map: what a "could not find" rests on; -1 unknown.
+        replaces: the revision of this dialogue that no longer holds; -1: none.
+        ended: how the dialogue ended with this (``resolved``, ``cancelled``, ``turn_limit``,
+            ``timed_out``); empty while an answer is taken.
+        early: raised before the exploration had finished.
+        seen_from: the view in which left and right are meant; None where no side is named.
+        also: instances that the text mentions without offering them, with their evidence.
     """
+
+    ADDED: ClassVar[dict[str, object]] = {
+        "frames_merged": -1,
+        "replaces": -1,
+        "ended": "",
+        "early": False,
+        "seen_from": None,
+        "also": [],
+    }
 
     dialogue_id: str
     revision: int = 0
@@ -61,10 +85,30 @@ class Query(Message, kw_only=True):
     instances: list[str] = []
     unseen_share: float = 0.0
     map_digest: str = ""
+    frames_merged: int = -1
+    replaces: int = -1
+    ended: str = ""
+    early: bool = False
+    seen_from: SeenFrom | None = None
+    also: list[Clause] = []
 
 
 class Belief(Message, kw_only=True):
-    """The decision as it stands while frames stream."""
+    """The decision as it stands while frames stream.
+
+    Attributes:
+        dialogue_id, state, reason, matches, instances: as in :class:`Query`.
+        frames_merged: frames in the map that it rests on.
+        unseen_share: share of the area not observed, 0..1; -1 unknown.
+        confidence: lowest existence of the instances that it rests on, 0..1; -1: none.
+        stable_beliefs: beliefs in a row, this one included, that decided the same; 0 unknown.
+    """
+
+    ADDED: ClassVar[dict[str, object]] = {
+        "unseen_share": -1.0,
+        "confidence": -1.0,
+        "stable_beliefs": 0,
+    }
 
     dialogue_id: str
     state: State
@@ -72,6 +116,9 @@ class Belief(Message, kw_only=True):
     matches: list[str] = []
     instances: list[str] = []
     frames_merged: int = 0
+    unseen_share: float = -1.0
+    confidence: float = -1.0
+    stable_beliefs: int = 0
 
 
 class Answer(Message, kw_only=True):
