@@ -103,7 +103,7 @@ def load_room(path: Path) -> Room:
         episode=first.episode,
         depths=tuple(depths.values()),
         detections=tuple(found[key] for key in depths),
-        truth=_truth(recording),
+        truth=truth_of(recording),
     )
 
 
@@ -211,8 +211,12 @@ def count_instances(
     return run_mapper(room, graphs, settings, order).instances(InstancesRequest())
 
 
-def _truth(recording: Recording) -> tuple[TrueInstance, ...]:
-    """Return the truth inside of a recording or, for older ones, beside it."""
+def truth_of(recording: Recording) -> tuple[TrueInstance, ...]:
+    """Return the truth inside of a recording or, for older ones, beside it.
+
+    Raises:
+        Refused: there is none, or it cannot be read.
+    """
     inside = recording.attachment(TRUTH)
     beside = recording.path.with_suffix(".truth.json")
     try:
