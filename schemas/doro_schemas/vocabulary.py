@@ -22,6 +22,9 @@ SAME_NAME = {
     "cellphone": "cell phone",
     "mobile phone": "cell phone",
     "remote": "remote control",
+    "tv remote": "remote control",
+    "tv remote control": "remote control",
+    "television remote": "remote control",
     "laptop computer": "laptop",
     "trash can": "garbage can",
     "trashcan": "garbage can",
@@ -87,11 +90,15 @@ def singular(word: str) -> str:
 
 
 def canonical_name(name: str) -> str:
-    """Return the canonical class name: lower case, singular head noun, one synonym."""
-    words = re.sub(r"[\s_]+", " ", name.strip().lower()).split(" ")
-    drinking = words[-1] == "glasses" and words[-2:-1] and words[-2] in DRINKS
+    """Return the canonical class name: lower case, singular head noun, one synonym.
+
+    The head is the last word, or the last one before "of" ("chest of drawers").
+    """
+    head, of, rest = re.sub(r"[\s_]+", " ", name.strip().lower()).partition(" of ")
+    words = head.split(" ")
+    drinking = words[-1] == "glasses" and (of or (words[-2:-1] and words[-2] in DRINKS))
     words[-1] = "glass" if drinking else singular(words[-1])
-    text = " ".join(words)
+    text = " ".join(words) + of + rest
     return SAME_NAME.get(text, text)
 
 

@@ -4,11 +4,13 @@ from doro_schemas.graph import ObjectGraph
 
 
 def show(graph: ObjectGraph | None) -> str:
-    """Return a graph in short form: ``cup{color=red}(is-on table)``; None is ``-``."""
+    """Return a graph in short form: ``cup{color=red}(is-on table)``; inverse: ``is-on^``."""
     if graph is None:
         return "-"
     values = ",".join(f"{kind}={value}" for kind, value in sorted(graph.attributes.items()))
-    relations = "".join(f"({item.type} {show(item.target)})" for item in graph.relations)
+    relations = "".join(
+        f"({item.type}{'^' * item.inverse} {show(item.target)})" for item in graph.relations
+    )
     return graph.name + (f"{{{values}}}" if values else "") + relations
 
 

@@ -5,36 +5,69 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from doro_nlu.labels import OBJECT, RELATED, is_noun, is_relation
+from doro_nlu.contents import Contents
+from doro_nlu.labels import RELATED, is_noun, is_relation
 from doro_nlu.spans import Span
-from doro_nlu.words import BREAKERS, COMPANIONS, DETERMINERS, JOINTS, PRONOUNS, is_room
+from doro_nlu.targets import has_letter, is_negated
+from doro_nlu.words import (
+    BREAKERS,
+    COMPANIONS,
+    DETERMINERS,
+    JOINTS,
+    NEGATORS,
+    PRONOUNS,
+    is_room,
+    is_surface,
+)
+
+_NAMING_AGAIN = frozenset(["it", "it's", "its", "they", "they're"])
 
 
 class Link(NamedTuple):
-    """A relation: its connector, the landmark (index of noun) and where it may hang.
+    """A relation that a landmark stands in, and what decides where it hangs.
 
-    ``sources`` are indices of nouns, the preferred one first; more than one = open.
+    Attributes:
+        kind: of the relation.
+        target: the landmark (index of noun).
+        spans: what was labelled for it: connector (if any) and landmark.
+        start: token where it begins.
+        inverse: the landmark is on or in what it hangs on ("the tray with the sponge on it").
+        object_first: the object is the likelier place, not the nearest landmark.
+        joined: it hangs where the link before it hangs ("between A and B").
+        closed: nothing that follows hangs on the landmark ("with an apple in it").
+        shuns: nouns that it cannot hang on although they stand before it.
     """
 
-    connector: Span
+    kind: str
     target: int
-    sources: tuple[int, ...]
+    spans: tuple[Span, ...]
+    start: int
+    inverse: bool = False
+    object_first: bool = False
+    joined: bool = False
+    closed: bool = False
+    shuns: tuple[int, ...] = ()
 
 
 class Value(NamedTuple):
-    """A self attribute and the noun that it modifies (index of noun)."""
+    """A self attribute: the noun that it modifies and, where open, the other one (index of noun).
+
+    Values of one list ("red and plastic") have one ``group`` and are moved together.
+    """
 
     span: Span
     noun: int
+    other: int
+    group: int
 
 
 class Sentence:
-    """Spans of a tagged sentence, with the object chosen.
+    """Spans of a tagged sentence, with the target chosen; see :mod:`doro_nlu.targets`.
 
     Args:
         tokens: the tokens, any case.
         spans: the spans in order.
-        root: the span of the object.
+        root: the span of the target.
     """
 
     def __init__(self, tokens: Sequence[str], spans: Sequence[Span], root: Span) -> None:
@@ -42,39 +75,36 @@ class Sentence:
         self.spans = spans
         self.nouns = [root, *(span for span in spans if span.kind == RELATED)]
         self.starts = {span.start: index for index, span in enumerate(self.nouns)}
-        self.others = [span for span in spans if span.kind == OBJECT and span is not root]
+        self.contents = Contents(self.words, spans, root)
 
-    def second_target(self) -> str:
-        """Return the text of an object joined to the first one ("the cup and the plate"), or "".
-
-        Between the two stand "and", "or" or a comma, a determiner and adjectives; a re-mention of
-        the same noun is no second target.
-        """
-        root = self.nouns[0]
-        for other in self.others:
-            before = [span for span in self.spans if is_noun(span.kind) and span.end <= other.start]
-            labelled = {at for span in self.spans for at in range(span.start, span.end)}
-            start = max((span.end for span in before), default=other.start)
-            gap = [self.words[at] for at in range(start, other.start) if at not in labelled]
-            joined = [word for word in gap[:2] if word in JOINTS]
-            rest = gap[len(joined) :]
-            near = not rest or (rest[0] in DETERMINERS and len(rest) <= 3)
-            if root.start < other.start and joined and near and other.text != root.text:
-                return other.text
-        return ""
+    # -- values ---------------------------------------------------------------------------
 
     def values(self) -> list[Value]:
-        """Return the self attributes with their nouns, without those of parts and of nothing."""
-        found = []
+        """Return the self attributes with their nouns, without those of parts, of nothing and
+        those that are excluded ("that isn't red")."""
+        found: list[Value] = []
+        end = -1
         for index, span in enumerate(self.spans):
             if is_noun(span.kind) or is_relation(span.kind):
                 continue
-            noun = self._noun_of(index)
-            if noun is not None:
-                found.append(Value(span, noun))
+            if self._is_excluded(span):
+                continue
+            place = self._place_of(index)
+            if place is None:
+                continue
+            listed = found and all(word in JOINTS for word in self.words[end : span.start])
+            group = found[-1].group if listed and found[-1][1:3] == place else span.start
+            found.append(Value(span, *place, group))
+            end = span.end
         return found
 
-    def _noun_of(self, index: int) -> int | None:
+    def _is_excluded(self, span: Span) -> bool:
+        before = self.words[max(0, span.start - 2) : span.start]
+        while before and before[-1] in DETERMINERS:
+            before.pop()
+        return bool(before) and (before[-1] in NEGATORS or before[-1] == "non")
+
+    def _place_of(self, index: int) -> tuple[int, int] | None:
         """The noun after the value in its own noun phrase, else the one before it."""
         span = self.spans[index]
         at = span.end
@@ -82,13 +112,12 @@ class Sentence:
             if not self._same_phrase(at, later.start):
                 break
             if is_noun(later.kind):
-                return self.starts.get(later.start)
+                noun = self.starts.get(later.start)
+                return None if noun is None else (noun, noun)
             if is_relation(later.kind):
                 break
             at = later.end
-        if self._is_part(at):
-            return None
-        return self._before(index, at)
+        return None if self._is_part(at) else self._before(span, at)
 
     def _same_phrase(self, start: int, end: int) -> bool:
         between = self.words[start:end]
@@ -105,14 +134,31 @@ class Sentence:
         before = self.words[max(0, at - 5) : at]
         return follows not in ("color", "colour") and any(word in COMPANIONS for word in before)
 
-    def _before(self, index: int, at: int) -> int | None:
+    def _before(self, span: Span, at: int) -> tuple[int, int] | None:
+        """The noun before a value; after a landmark the object is the other choice.
+
+        After a comma or "and" the object is the likelier one ("the cup on the desk, red"), and
+        the only one where a pronoun names it ("the red one", "it's blue").
+        """
+        earlier = [item for item in self.spans if is_noun(item.kind) and item.end <= span.start]
         if at < len(self.words) and self.words[at] in PRONOUNS:
-            return 0
-        start = self.spans[index].start
-        earlier = [span for span in (*self.nouns, *self.others) if span.end <= start]
-        if not earlier:
+            return (0, 0)
+        nearest = self.starts.get(earlier[-1].start) if earlier else None
+        if nearest is None:
             return None
-        return self.starts.get(max(earlier, key=lambda span: span.start).start)
+        gap = self._gap(earlier[-1].end, span.start)
+        if nearest == 0 or any(word in _NAMING_AGAIN for word in gap):
+            return (0, 0)
+        if self.nouns[0].start > span.start:
+            return (nearest, nearest)
+        joined = bool(gap) and gap[0] in JOINTS and not is_relative(gap)
+        return (0, nearest) if joined else (nearest, 0)
+
+    def _gap(self, start: int, end: int) -> list[str]:
+        labelled = {at for span in self.spans for at in range(span.start, span.end)}
+        return [self.words[at] for at in range(start, end) if at not in labelled]
+
+    # -- relations ------------------------------------------------------------------------
 
     def links(self) -> list[Link]:
         """Return the relations that have a landmark; the order is that of the text."""
@@ -122,39 +168,64 @@ class Sentence:
             if is_relation(span.kind):
                 pending = span
             elif span.kind == RELATED:
-                noun = self.starts[span.start]
-                if pending is not None:
-                    found.append(Link(pending, noun, self._sources(pending, noun, found)))
-                elif found and self._joined(found[-1], span):
-                    found.append(Link(found[-1].connector, noun, found[-1].sources))
+                link = self._link(span, pending, found)
+                if link is not None and has_letter(span.text):
+                    found.append(link)
                 pending = None
-            elif span.kind == OBJECT:
+            elif is_noun(span.kind):
                 pending = None
         return found
 
-    def _joined(self, previous: Link, span: Span) -> bool:
+    def _link(self, span: Span, pending: Span | None, found: Sequence[Link]) -> Link | None:
+        noun = self.starts[span.start]
+        carried = self.contents.carried(span, pending)
+        if carried is not None:
+            spans = (span,) if carried.connector is None else (carried.connector, span)
+            kind, inverse = carried.kind, carried.kind != "is-near"
+            link = Link(kind, noun, spans, span.start, inverse, closed=carried.closed)
+            return link._replace(shuns=self._shunned(carried.bars_surfaces))
+        if pending is not None and not self.contents.is_stranded(pending):
+            if is_negated(self.words, pending.start) and self._not_before(pending):
+                return None
+            first = self._prefers_object(pending, found)
+            link = Link(pending.kind, noun, (pending, span), pending.start, object_first=first)
+            return link._replace(shuns=self._rooms() if pending.kind != "is-near" else ())
+        if found and self._is_joined(found[-1], span):
+            before = found[-1]
+            return before._replace(target=noun, spans=(*before.spans[:-1], span), joined=True)
+        return None
+
+    def _not_before(self, pending: Span) -> bool:
+        """Tell whether a negation stands right before a connector ("not on the table")."""
+        return pending.start > 0 and self.words[pending.start - 1] in NEGATORS
+
+    def _rooms(self) -> tuple[int, ...]:
+        """A thing that is on or at something stands there, not the room before it."""
+        return tuple(i for i, noun in enumerate(self.nouns) if i and is_room(noun.text))
+
+    def _shunned(self, bars_surfaces: bool) -> tuple[int, ...]:
+        if not bars_surfaces:
+            return ()
+        return tuple(i for i, noun in enumerate(self.nouns) if i and is_surface(noun.text))
+
+    def _is_joined(self, previous: Link, span: Span) -> bool:
         """Tell whether a landmark without connector shares the one before ("between A and B")."""
-        between = self.words[self.nouns[previous.target].end : span.start]
-        return bool(between) and between[0] in JOINTS
+        gap = self._gap(self.nouns[previous.target].end, span.start)
+        return bool(gap) and gap[0] in JOINTS
 
-    def _sources(self, connector: Span, target: int, found: Sequence[Link]) -> tuple[int, ...]:
-        earlier = [i for i, noun in enumerate(self.nouns) if noun.end <= connector.start]
+    def _prefers_object(self, connector: Span, found: Sequence[Link]) -> bool:
+        """After a joint, and after contents ("a vase with flowers from the shelf")."""
+        earlier = [noun for noun in self.nouns if noun.end <= connector.start]
         if not earlier:
-            return (0,)
-        nearest = max(earlier, key=lambda i: self.nouns[i].start)
-        if nearest in (0, target):
-            return (0,)
-        name = self.nouns[nearest].text
-        gap = self.words[self.nouns[nearest].end : connector.start]
-        grounded = is_room(name) and connector.kind != "is-near"
-        attached = any(link.target == nearest for link in found)
-        if not attached or grounded:
-            return (0,)
-        if gap and gap[0] in JOINTS and not _relative(gap):
-            return (0, nearest)
-        return (nearest, 0)
+            return False
+        nearest = max(earlier, key=lambda noun: noun.start)
+        gap = self._gap(nearest.end, connector.start)
+        if gap and gap[0] in JOINTS and not is_relative(gap):
+            return True
+        source = self.words[connector.start] in ("from", "off", "out")
+        return source and bool(found) and found[-1].inverse
 
 
-def _relative(gap: Sequence[str]) -> bool:
+def is_relative(gap: Sequence[str]) -> bool:
     """Tell whether the words open a relative clause, which belongs to the noun before it."""
     return any(word in ("that", "which", "that's") for word in gap)

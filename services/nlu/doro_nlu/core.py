@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from doro_nlu.language import not_english
-from doro_nlu.parser import Parse, parse
+from doro_nlu.parser import Parse, parse, refused
+from doro_nlu.reasons import unsure
 from doro_nlu.settings import NluSettings
 from doro_nlu.tagger import Tagged, Tagger, load_tagger
 from doro_nlu.tokens import tokenize
@@ -81,6 +82,9 @@ class Nlu:
                 readings=reply.readings,
                 reason=reply.reason,
                 confidence=reply.confidence,
+                probabilities=reply.probabilities,
+                reading_confidences=reply.reading_confidences,
+                reason_kind=reply.reason_kind,
             )
         ]
 
@@ -134,16 +138,20 @@ class Nlu:
             )
         understood = (self._cached if caption else self._understand)([text])[0]
         tagged, result = understood.tagged, understood.parse
-        if result.second and result.graph and not caption:
-            result = Parse(None, [], "", 0.0, two_targets(result.graph.name, result.second))
+        if result.second and not caption:
+            result = refused(result.second)
+        reason = result.reason
         return ParseReply(
             text=text,
             task="" if caption else result.task,
             tokens=list(tagged.tokens),
             labels=list(tagged.labels),
+            probabilities=list(tagged.probabilities),
             graph=result.graph,
-            readings=list(result.readings),
-            reason=result.reason,
+            readings=[reading.graph for reading in result.readings],
+            reading_confidences=[reading.share * result.confidence for reading in result.readings],
+            reason=reason.text if reason else "",
+            reason_kind=reason.kind if reason else "",
             confidence=result.confidence,
         )
 
@@ -168,22 +176,13 @@ class Nlu:
         return [self._judge(text, item) for text, item in zip(texts, tagged, strict=True)]
 
     def _judge(self, text: str, tagged: Tagged) -> Understood:
-        reason = not_english(tagged.tokens, self._tagger.knows)
-        if reason:
-            return Understood(text, tagged, Parse(None, [], "", 0.0, reason))
+        foreign = not_english(tagged.tokens, self._tagger.knows)
+        if foreign:
+            return Understood(text, tagged, refused(foreign))
         result = parse(tagged, text)
         if result.graph and result.object_probability < self._settings.min_object_probability:
-            reason = (
-                f"it is not clear what is meant by '{result.graph.name}' in '{text.strip()[:80]}':"
-                " say it in other words"
-            )
-            result = Parse(None, [], "", 0.0, reason)
+            result = refused(unsure(result.graph.name, text))
         return Understood(text, tagged, result)
-
-
-def two_targets(first: str, second: str) -> str:
-    """Return the reason for an instruction with two objects: one is fetched at a time."""
-    return f"two targets were named, '{first}' and '{second[:80]}': ask for one at a time"
 
 
 def canonical(graph: ObjectGraph) -> ObjectGraph:
@@ -191,7 +190,9 @@ def canonical(graph: ObjectGraph) -> ObjectGraph:
     return ObjectGraph(
         name=canonical_name(graph.name),
         attributes={kind: canonical_value(value) for kind, value in graph.attributes.items()},
-        relations=[Relation(item.type, canonical(item.target)) for item in graph.relations],
+        relations=[
+            Relation(item.type, canonical(item.target), item.inverse) for item in graph.relations
+        ],
     )
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import unicodedata
 from collections.abc import Callable, Sequence
 
+from doro_nlu.reasons import LANGUAGE, NO_WORD, Reason
+
 
 def _words(text: str) -> list[str]:
     return text.split()
@@ -34,8 +36,8 @@ _FOREIGN = frozenset(
 _MIN_KNOWN_SHARE = 0.34
 
 
-def not_english(tokens: Sequence[str], knows: Callable[[str], bool]) -> str:
-    """Return why a text is not taken for English, or ``""`` if it may be.
+def not_english(tokens: Sequence[str], knows: Callable[[str], bool]) -> Reason | None:
+    """Return why a text is not taken for English, or None if it may be.
 
     Letters of another script, more foreign than English function words, or hardly a known
     word at all. Unknown names are fine ("bring the flibber"), a lone unknown word as well.
@@ -43,19 +45,24 @@ def not_english(tokens: Sequence[str], knows: Callable[[str], bool]) -> str:
     words = [token.lower() for token in tokens if token[0].isalpha()]
     shown = " ".join(tokens)[:60]
     if not words:
-        return f"no word was found in '{shown}': say in English what to fetch or find"
+        return Reason(
+            NO_WORD, f"no word was found in '{shown}': say in English what to fetch or find"
+        )
     for word in words:
         if not all(_is_latin(char) for char in word if char.isalpha()):
-            return f"'{word[:40]}' is not written in Latin letters: say it in English"
+            return Reason(
+                LANGUAGE, f"'{word[:40]}' is not written in Latin letters: say it in English"
+            )
     english = sum(word in _ENGLISH for word in words)
     foreign = sum(word in _FOREIGN for word in words)
     known = sum(word in _ENGLISH or knows(word) for word in words)
     if foreign > english or (len(words) > 1 and known < _MIN_KNOWN_SHARE * len(words)):
-        return (
+        return Reason(
+            LANGUAGE,
             f"'{shown}' does not read as English ({known} of {len(words)} words are known):"
-            " say it in English"
+            " say it in English",
         )
-    return ""
+    return None
 
 
 def _is_latin(char: str) -> bool:

@@ -26,8 +26,71 @@ DETERMINERS = frozenset(
     )
 )
 PRONOUNS = frozenset(["one", "ones"])
-JOINTS = frozenset(["and", ",", "or", "&"])
-COMPANIONS = frozenset(["with", "having", "has", "have", "containing"])
+THIRD = frozenset(["it", "them", "itself", "themselves"])
+JOINTS = frozenset(["and", ",", "or", "&", "plus"])
+COMPANIONS = frozenset(
+    _words("with having has have containing contains contain holding holds carrying full w")
+)
+"""Words that bring in what a thing holds or carries: "the bowl with an apple"."""
+
+RELATIVES = frozenset(["that", "which", "where", "whom"])
+COPULAS = frozenset(
+    _words(
+        """
+    is are was were 's sits sit sitting stands stand standing lies lie lying rests resting
+    hangs hanging stays placed put kept stored located
+    """
+    )
+)
+STRANDED = {
+    "on": "is-on", "upon": "is-on", "in": "is-at", "inside": "is-at", "at": "is-at",
+    "under": "is-at", "near": "is-near", "beside": "is-near", "by": "is-near",
+}  # fmt: skip
+"""Prepositions that may end a relative clause ("the table that the lamp is on")."""
+
+NEGATORS = frozenset(
+    _words(
+        """
+    not isn't aren't wasn't don't dont doesn't didn't without except never neither nor
+    isnt arent cannot
+    """
+    )
+)
+SURFACES = frozenset(
+    _words("table counter countertop desk floor shelf stove bed dresser stand mat top island")
+)
+"""Last words of names that carry things and hold nothing: an apple "in it" is elsewhere."""
+
+
+def is_surface(name: str) -> bool:
+    """Tell whether nothing can be in a thing of this name, only on it."""
+    return name.rsplit(" ", maxsplit=1)[-1] in SURFACES
+
+
+TOOL_VERBS = frozenset(
+    _words("cut slice chop clean wipe open heat cook fill stir wash dust scrub dry cover close")
+)
+"""Tasks that are done with a tool: "cut the bread with the knife" is no bread that has one."""
+
+FETCH_VERBS = frozenset(
+    _words("bring fetch get grab give hand pass pick pickup retrieve take collect deliver acquire")
+)
+"""First words of the tasks that bring a thing: two of them name two targets."""
+
+NOT_TARGETS = frozenset(
+    _words(
+        "left right step steps turn look seat break moment rest second minute time few"
+        " pass care note bite sip photo picture hold"
+    )
+)
+"""What follows "take" in "take a left", "take two steps": nothing to fetch."""
+
+MOVES = frozenset(
+    _words("go walk move head drive come navigate run proceed travel step return turn roll cross")
+)
+"""Verbs that move the robot."""
+
+TOWARDS = frozenset(_words("to towards toward into through across in inside"))
 ROOMS = frozenset(
     _words(
         """

@@ -1,0 +1,69 @@
+"""Why a text is not understood: one clear sentence, and one word for programs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from doro_nlu.words import MOVES, PRONOUNS, TOWARDS
+
+NO_WORD = "no_word"
+LANGUAGE = "language"
+NO_OBJECT = "no_object"
+NAVIGATION = "navigation"
+TWO_TARGETS = "two_targets"
+UNSURE = "unsure"
+KINDS = (NO_WORD, LANGUAGE, NO_OBJECT, NAVIGATION, TWO_TARGETS, UNSURE)
+_LONGEST_SHOWN = 80
+
+
+class Reason(NamedTuple):
+    """A kind (one of ``KINDS``) and the sentence for people."""
+
+    kind: str
+    text: str
+
+
+def shown(text: str) -> str:
+    """Return a text for a sentence: on one line, printable, shortened."""
+    plain = " ".join("".join(c if c.isprintable() else " " for c in text).split())
+    return plain if len(plain) <= _LONGEST_SHOWN else plain[: _LONGEST_SHOWN - 3] + "..."
+
+
+def no_object(words: Sequence[str], text: str) -> Reason:
+    """Return the reason for a text without an object.
+
+    Args:
+        words: its tokens in lower case.
+    """
+    quoted = shown(text)
+    moves = any(
+        word in MOVES and any(later in TOWARDS for later in words[at + 1 : at + 4])
+        for at, word in enumerate(words)
+    )
+    if moves:
+        return Reason(
+            NAVIGATION, f"only a place to go to was named in '{quoted}': say what to fetch or find"
+        )
+    if any(word in PRONOUNS for word in words):
+        return Reason(
+            NO_OBJECT,
+            f"no object to fetch or find was named in '{quoted}': name the thing instead of 'one'",
+        )
+    return Reason(NO_OBJECT, f"no object to fetch or find was named in '{quoted}'")
+
+
+def two_targets(first: str, second: str) -> Reason:
+    """Return the reason for an instruction with two objects: one is fetched at a time."""
+    return Reason(
+        TWO_TARGETS,
+        f"two targets were named, '{first}' and '{shown(second)}': ask for one at a time",
+    )
+
+
+def unsure(name: str, text: str) -> Reason:
+    """Return the reason for an object that the tagger is not sure of."""
+    return Reason(
+        UNSURE,
+        f"it is not clear what is meant by '{name}' in '{shown(text)}': say it in other words",
+    )
