@@ -109,8 +109,11 @@ def canonical_value(value: str) -> str:
 
 
 def split_camel_case(object_type: str) -> str:
-    """Return AI2-THOR's objectType as words: ``"CoffeeTable"`` -> ``"coffee table"``."""
-    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", object_type).lower()
+    """Return AI2-THOR's objectType as words: ``"CoffeeTable"`` -> ``"coffee table"``.
+
+    ``"TVStand"`` -> ``"tv stand"``.
+    """
+    return re.sub(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", " ", object_type).lower()
 
 
 def name_satisfies(said: str, seen: str) -> bool:

@@ -67,6 +67,7 @@ def test_a_hypernym_is_satisfied_by_its_kinds_not_the_reverse(
 
 def test_object_types_become_words() -> None:
     assert split_camel_case("CoffeeTable") == "coffee table"
+    assert split_camel_case("TVStand") == "tv stand"
     assert split_camel_case("Mug") == "mug"
 
 
