@@ -1,0 +1,170 @@
+"""The whole system on (recording, instruction) pairs (paper, Tables III and IV)."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterator, Sequence
+from typing import Literal
+
+import msgspec
+import numpy as np
+
+from doro_dialogue.decision import Decision, decide, paper_literal
+from doro_dialogue.facts import Candidate
+from doro_dialogue.question import Question, compose, pick
+from doro_evaluation.chain import ERROR_MODELS, Language, Room, count_instances
+from doro_evaluation.judge import Truth, Verdict, identify, judge
+from doro_evaluation.pairs import Pair
+from doro_mapper.settings import MapperSettings
+from doro_nlu.core import Nlu
+from doro_schemas.graph import ObjectGraph
+from doro_schemas.messages import FrameGraphs, SimDetections
+from doro_schemas.vocabulary import canonical_name, name_satisfies, split_camel_case
+
+View = Literal["multi-view", "single-view", "image"]
+Decide = Callable[[ObjectGraph, Sequence[Candidate]], Decision]
+DECIDERS: dict[str, Decide] = {"ours": decide, "paper_literal": paper_literal}
+FINDERS = {"ours": "tracks", "paper_literal": "paper_literal"}
+
+
+class Outcome(msgspec.Struct, frozen=True):
+    """How one pair came out in one row of a table.
+
+    Attributes:
+        view: ``multi-view``: all views merged; ``single-view``: one view with the most
+            instances, judged by the whole room; ``image``: the same view, judged by what the
+            detector delivered of it (paper, Table III).
+    """
+
+    pair: Pair
+    system: str
+    view: View
+    verdict: Verdict
+
+
+class Speaker:
+    """Instruction and candidates to what is said; the services' own functions.
+
+    Args:
+        nlu: parses the instructions.
+        system: ``ours`` or ``paper_literal``, which decides by the paper's formulas.
+    """
+
+    def __init__(self, nlu: Nlu, system: str) -> None:
+        self._nlu, self._decide = nlu, DECIDERS[system]
+
+    def say(
+        self, pair: Pair, candidates: Sequence[Candidate], unseen_share: float
+    ) -> tuple[Decision, Question, str] | None:
+        """Return decision, question and text; None where the instruction is not understood."""
+        parsed = self._nlu.parse_text(pair.instruction)
+        if parsed.graph is None:
+            return None
+        decision = self._decide(parsed.graph, candidates)
+        question = compose(decision, task=parsed.task, unseen_share=unseen_share)
+        return decision, question, pick(question.wordings, 0, pair.id)
+
+
+def multi_view(
+    room: Room,
+    pairs: Sequence[Pair],
+    graphs: Sequence[FrameGraphs],
+    nlu: Nlu,
+    *,
+    system: str = "ours",
+    settings: MapperSettings | None = None,
+) -> Iterator[Outcome]:
+    """Yield the outcomes of a recording's pairs on the map of all its views."""
+    finder = FINDERS[system]
+    chosen = msgspec.structs.replace(settings or MapperSettings(), finder=finder)
+    found = count_instances(room, graphs, chosen)
+    truth = Truth.of(room.truth)
+    identity = identify(found.instances, truth)
+    candidates = [Candidate(one.instance_id, one.graph) for one in found.instances]
+    speaker = Speaker(nlu, system)
+    for pair in pairs:
+        said = speaker.say(pair, candidates, found.unseen_share)
+        verdict = judge(truth, pair.graph, pair.task, said, identity, found.unseen_share)
+        yield Outcome(pair, system, "multi-view", verdict)
+
+
+def single_view(
+    room: Room,
+    pairs: Sequence[Pair],
+    graphs: Sequence[FrameGraphs],
+    nlu: Nlu,
+    *,
+    system: str = "ours",
+) -> Iterator[Outcome]:
+    """Yield the outcomes on one view each, judged by the whole room and by the image."""
+    whole = Truth.of(room.truth)
+    speaker = Speaker(nlu, system)
+    for pair in pairs:
+        view = best_view(room.detections, pair)
+        candidates, identity = _of_view(graphs[view], room.detections[view])
+        said = speaker.say(pair, candidates, 0.0)
+        yield Outcome(
+            pair, system, "single-view", judge(whole, pair.graph, pair.task, said, identity)
+        )
+        delivered = set(identity.values())
+        image = Truth.of([item for item in room.truth if item.object_id in delivered], room.truth)
+        yield Outcome(pair, system, "image", judge(image, pair.graph, pair.task, said, identity))
+
+
+def best_view(detections: Sequence[SimDetections], pair: Pair) -> int:
+    """Return a view with the most instances of the pair's class, drawn by the pair's id."""
+    counts = np.array([_count(frame, pair.graph.name) for frame in detections])
+    best = np.flatnonzero(counts == counts.max())
+    digest = hashlib.sha256(f"view|{pair.id}".encode()).digest()
+    return int(best[int.from_bytes(digest[:8], "big") % len(best)])
+
+
+def run_room(
+    room: Room,
+    pairs: Sequence[Pair],
+    language: Language,
+    nlu: Nlu,
+    *,
+    errors: str = "cs+sd+fn",
+    systems: Sequence[str] = ("ours", "paper_literal"),
+) -> list[Outcome]:
+    """Return the outcomes of a recording's pairs for all rows of Tables III and IV."""
+    graphs = language.graphs(room, ERROR_MODELS[errors])
+    outcomes: list[Outcome] = []
+    for system in systems:
+        outcomes += multi_view(room, pairs, graphs, nlu, system=system)
+        outcomes += single_view(room, pairs, graphs, nlu, system=system)
+    return outcomes
+
+
+def _count(frame: SimDetections, name: str) -> int:
+    return sum(name_satisfies(name, _name(item.object_type)) for item in frame.detections)
+
+
+def _of_view(graphs: FrameGraphs, frame: SimDetections) -> tuple[list[Candidate], dict[str, str]]:
+    """Return the candidates of one view, and which object each of them is.
+
+    The detector's boxes were shifted, so an object is found by class and nearest box.
+    """
+    candidates, identity, taken = [], {}, set[str]()
+    for number, box in enumerate(graphs.detections, start=1):
+        name = f"{box.graph.name.replace(' ', '-')}-{number}"
+        candidates.append(Candidate(name, box.graph))
+        free = [
+            item
+            for item in frame.detections
+            if item.object_id not in taken and _name(item.object_type) == box.graph.name
+        ]
+        if free:
+            nearest = min(free, key=lambda item: _apart_px(item.box_px, box.box_px))
+            identity[name] = nearest.object_id
+            taken.add(nearest.object_id)
+    return candidates, identity
+
+
+def _name(object_type: str) -> str:
+    return canonical_name(split_camel_case(object_type))
+
+
+def _apart_px(one: Sequence[float], other: Sequence[float]) -> float:
+    return float(np.abs(np.subtract(one, other)).sum())
