@@ -13,7 +13,7 @@ def describe_graph(parsed: InstructionGraph) -> str:
     words = [graph.name]
     words += [f"{kind}: {value}" for kind, value in graph.attributes.items()]
     words += [
-        f"{relation.type}: "
+        f"{'with: ' if relation.inverse else ''}{relation.type}: "
         + " ".join([*relation.target.attributes.values(), relation.target.name])
         for relation in graph.relations
     ]

@@ -132,9 +132,14 @@ class InstancesRequest(Message, kw_only=True):
 
     Attributes:
         name: class as said; its kinds count as well ("lamp" finds desk lamps). Empty: all.
+        carried: classes of things that an instance may have on or in it ("the tray with the
+            sponge on it"): where the map has them there, they come as inverse relations.
     """
 
+    ADDED: ClassVar[dict[str, object]] = {"carried": []}
+
     name: str = ""
+    carried: list[str] = []
 
 
 class Instances(Message, kw_only=True):

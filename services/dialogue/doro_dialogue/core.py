@@ -13,7 +13,7 @@ from typing import Literal
 
 import msgspec
 
-from doro_dialogue.facts import check_depth, name_of
+from doro_dialogue.facts import carried_by, check_depth, name_of
 from doro_dialogue.settings import DialogueSettings
 from doro_dialogue.talk import belief_of, decide_on, query_of, same_decision, targets_of
 from doro_dialogue.talks import Pending, Talk
@@ -226,8 +226,14 @@ class Dialogue:
             talk.asked += 1
             talk.stale = False
         self._pending.append(Pending(talk=talk, purpose=purpose, stamp_ns=stamp_ns))
-        name = talk.graph.name
-        return Ask(InstancesRequest(name=name, episode=self._episode, stamp_ns=stamp_ns))
+        return Ask(
+            InstancesRequest(
+                name=talk.graph.name,
+                carried=carried_by(talk.graph, *talk.instruction.readings),
+                episode=self._episode,
+                stamp_ns=stamp_ns,
+            )
+        )
 
     def _take_pending(self, name: str) -> Pending | None:
         """Return the oldest request for a class; replies come in the order of requests."""

@@ -33,6 +33,7 @@ from doro_schemas.graph import ObjectGraph, Relation
 MAX_OPTIONS = 16
 PIVOTS_TRIED = 6
 Key = tuple[object, ...]
+_INVERSE = " inverse"
 
 
 class Group(msgspec.Struct, frozen=True):
@@ -221,17 +222,18 @@ def _variants(graph: ObjectGraph) -> Iterator[tuple[Fact, int]]:
         for count in range(len(parts) + 1):
             for chosen in combinations(parts, count):
                 flat = [p if isinstance(p, Attribute) else _bare(p) for p in chosen]
-                yield Relation(fact.type, graph_with(fact.target.name, flat)), 1 + count
+                target = graph_with(fact.target.name, flat)
+                yield Relation(fact.type, target, fact.inverse), 1 + count
 
 
 def _bare(relation: Relation) -> Relation:
-    return Relation(relation.type, ObjectGraph(name=relation.target.name))
+    return Relation(relation.type, ObjectGraph(name=relation.target.name), relation.inverse)
 
 
 def _key(fact: Fact) -> Key:
     if isinstance(fact, Attribute):
         return (fact.type, value_of(fact.value))
-    return (fact.type, *graph_key(fact.target))
+    return (fact.type + _INVERSE * fact.inverse, *graph_key(fact.target))
 
 
 def _implied(fact: Fact) -> list[Key]:
@@ -240,8 +242,9 @@ def _implied(fact: Fact) -> list[Key]:
         return [(fact.type, value) for value in broader_values(value_of(fact.value))[1:]]
     name, own, relations = graph_key(fact.target)
     types = (IS_ON, IS_AT) if fact.type == IS_ON else (fact.type,)
+    mark = _INVERSE * fact.inverse
     names = _broader_names(str(name))
-    return [(type_, one, own, relations) for type_ in types for one in names]
+    return [(type_ + mark, one, own, relations) for type_ in types for one in names]
 
 
 def _broader_names(name: str) -> list[str]:

@@ -47,12 +47,14 @@ class Candidate(msgspec.Struct, frozen=True):
 def rank(fact: Fact) -> tuple[int, str]:
     """Return the place of a fact in the documented order.
 
-    color, material, other attributes, is-on, is-at, is-near, other relations; types that
-    share a place are ordered by name.
+    color, material, other attributes, is-on, is-at, is-near, other relations, inverse ones;
+    types that share a place are ordered by name.
     """
     attribute = isinstance(fact, Attribute)
     order = ATTRIBUTE_ORDER if attribute else RELATION_ORDER
     place = order.index(fact.type) if fact.type in order else len(order)
+    if isinstance(fact, Relation) and fact.inverse:
+        return (20 + place, fact.type)
     return (place if attribute else 10 + place, fact.type)
 
 
@@ -74,20 +76,26 @@ def graph_with(name: str, facts: Iterable[Fact]) -> ObjectGraph:
 
 def place_of(graph: ObjectGraph) -> Relation | None:
     """Return the relation that says best where a thing is: is-on, then is-at, then is-near."""
-    relations = [fact for fact in facts_of(graph) if isinstance(fact, Relation)]
+    relations = [f for f in facts_of(graph) if isinstance(f, Relation) and not f.inverse]
     return shallow(relations[0]) if relations else None
+
+
+def carried_by(*graphs: ObjectGraph) -> list[str]:
+    """Return the classes of things that an object is said to have on or in it, each once."""
+    names = [one.target.name for graph in graphs for one in graph.relations if one.inverse]
+    return list(dict.fromkeys(names))
 
 
 def shallow(relation: Relation) -> Relation:
     """Return the relation without what is known of the landmark's own surroundings."""
-    target = relation.target
-    return Relation(relation.type, ObjectGraph(name=target.name, attributes=target.attributes))
+    bare = ObjectGraph(name=relation.target.name, attributes=relation.target.attributes)
+    return Relation(relation.type, bare, relation.inverse)
 
 
 def graph_key(graph: ObjectGraph) -> tuple[object, ...]:
     """Return a value that is equal for graphs that say the same in canonical words."""
     own = sorted((key, value_of(value)) for key, value in graph.attributes.items())
-    relations = sorted({repr((r.type, graph_key(r.target))) for r in graph.relations})
+    relations = sorted({repr((r.type, r.inverse, graph_key(r.target))) for r in graph.relations})
     return (name_of(graph.name), tuple(own), tuple(relations))
 
 

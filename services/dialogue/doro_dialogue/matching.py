@@ -189,8 +189,10 @@ def _attribute(said: Attribute, seen: ObjectGraph) -> Finding:
 
 def _relation(said: Relation, seen: ObjectGraph) -> Finding:
     """Hold a said relation against all observed ones: any that holds decides, then any open."""
-    compare = _place if said.type in PLACE else _open_list
-    results = [compare(said, relation) for relation in seen.relations]
+    place = _place if said.type in PLACE else _open_list
+    compare = _carried if said.inverse else place
+    same_way = [relation for relation in seen.relations if relation.inverse == said.inverse]
+    results = [compare(said, relation) for relation in same_way]
     for verdict in ("holds", "unknown", "contradicted"):
         for finding in results:
             if finding is not None and finding.verdict == verdict:
@@ -235,6 +237,18 @@ def _open_list(said: Relation, seen: Relation) -> Finding | None:
     return _found(said, target.verdict, seen, target)
 
 
+def _carried(said: Relation, seen: Relation) -> Finding | None:
+    """Compare what a thing was said to have on or in it with one thing that it has.
+
+    A tray with a sponge may have a spoon as well, so only the thing said can say anything, and
+    a tray on which no sponge was seen may still have had one out of view: absence is unknown.
+    """
+    target = _landmark(said.target, seen.target)
+    if target.verdict != "contradicted" and said.type in (seen.type, IS_AT):
+        return _found(said, target.verdict, seen, target)
+    return None
+
+
 class _Landmark(msgspec.Struct, frozen=True):
     verdict: Verdict
     graph: ObjectGraph
@@ -251,4 +265,4 @@ def _landmark(said: ObjectGraph, seen: ObjectGraph) -> _Landmark:
 
 
 def _found(said: Relation, verdict: Verdict, seen: Relation, target: _Landmark) -> Finding:
-    return Finding(said, verdict, Relation(seen.type, target.graph))
+    return Finding(said, verdict, Relation(seen.type, target.graph, seen.inverse))

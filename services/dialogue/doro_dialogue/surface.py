@@ -1,7 +1,8 @@
 """English for object graphs: the paper's annotated edges walked in pre-order (Section IV-C).
 
 Self attributes stand left of the noun, relations right of it; is-on becomes "on top of",
-is-near "near", is-at "in", color and material become nothing but their values.
+is-near "near", is-at "in", color and material become nothing but their values. An inverse relation
+is said as "with the sponge on it", "with the apple".
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from collections.abc import Sequence
 
 from doro_dialogue.facts import (
     ATTRIBUTE_ORDER,
+    IS_ON,
     MATERIAL,
     Attribute,
     Fact,
@@ -118,6 +120,9 @@ def _right(graph: ObjectGraph) -> list[str]:
 
 
 def _relation(relation: Relation) -> str:
+    if relation.inverse:
+        where = " on it" if relation.type == IS_ON else ""
+        return f"with {definite(relation.target)}{where}"
     open_type = relation.type.removeprefix("is-").replace("-", " ")
     return f"{RELATION_WORDS.get(relation.type, open_type)} {definite(relation.target)}"
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from doro_mapper.area import Area
+from doro_mapper.carried import with_carried
 from doro_mapper.instances import build
 from doro_mapper.join import Half, Join, Key
 from doro_mapper.settings import MapperSettings
@@ -111,7 +112,7 @@ class Mapper:
             last_frame=self._last_frame,
             digest=self._area.digest(),
             unseen_share=self._area.coverage.unseen_share(),
-            instances=chosen,
+            instances=with_carried(chosen, self._answer, request.carried, self._world or "unity"),
         )
 
     def grid(self, request: GridRequest) -> GridSnapshot:
@@ -253,7 +254,7 @@ def canonical(graphs: FrameGraphs) -> FrameGraphs:
         return ObjectGraph(
             canonical_name(own.name),
             {kind: canonical_value(value) for kind, value in sorted(own.attributes.items())},
-            [Relation(relation.type, graph(relation.target)) for relation in own.relations],
+            [Relation(one.type, graph(one.target), one.inverse) for one in own.relations],
         )
 
     return FrameGraphs(

@@ -112,12 +112,12 @@ def captioned_relations(found: Found, share: float) -> list[Relation]:
     Relations vary by view, so one view among several is not enough. The landmark's attributes
     are those most often stated.
     """
-    said: dict[tuple[str, str], set[int]] = {}
-    variants: dict[tuple[str, str], dict[str, float]] = {}
+    said: dict[tuple[str, str, bool], set[int]] = {}
+    variants: dict[tuple[str, str, bool], dict[str, float]] = {}
     graphs: dict[str, ObjectGraph] = {}
     for sighting, weight in zip(found.sightings, found.weights, strict=True):
         for relation in sighting.graph.relations:
-            key = (relation.type, relation.target.name)
+            key = (relation.type, relation.target.name, relation.inverse)
             said.setdefault(key, set()).add(sighting.serial)
             text = identity(relation.target)
             graphs[text] = ObjectGraph(relation.target.name, relation.target.attributes)
@@ -126,13 +126,13 @@ def captioned_relations(found: Found, share: float) -> list[Relation]:
     least = min(2, found.hits)
     kept = [key for key, serials in said.items() if len(serials) >= max(least, share * found.hits)]
     kept.sort(key=lambda key: (-len(said[key]), key))
-    return [Relation(key[0], graphs[ranked(variants[key])[0]]) for key in kept]
+    return [Relation(key[0], graphs[ranked(variants[key])[0]], key[2]) for key in kept]
 
 
 def relations_of(
     instances: list[Found], graphs: list[ObjectGraph], settings: MapperSettings
 ) -> list[list[Relation]]:
-    """Return by instance its relations, in the order is-on, is-at, is-near.
+    """Return by instance its relations, in the order is-on, is-at, is-near, inverse ones last.
 
     What captions state again and again wins over what was measured about the same class of
     landmark, and about what carries or holds the thing: boxes of large furniture are coarse.
@@ -141,7 +141,8 @@ def relations_of(
     measured = spatial_relations(instances, graphs, settings.max_near, settings.no_landmarks)
     out = []
     for found, own in zip(instances, measured, strict=True):
-        stated = captioned_relations(found, settings.relation_share)
+        captioned = captioned_relations(found, settings.relation_share)
+        stated = [relation for relation in captioned if not relation.inverse]
         held = any(relation.type in HOLDS for relation in stated)
         kept = [
             relation
@@ -156,7 +157,8 @@ def relations_of(
             if relation.type != "is-near" or near <= settings.max_near:
                 chosen.append(relation)
         rank = {kind: i for i, kind in enumerate(ORDER)}
-        out.append(sorted(chosen, key=lambda r: rank.get(r.type, len(ORDER))))
+        ordered = sorted(chosen, key=lambda r: rank.get(r.type, len(ORDER)))
+        out.append(ordered + [relation for relation in captioned if relation.inverse])
     return out
 
 

@@ -20,5 +20,7 @@ def short_description(graph: ObjectGraph, relations: int = 2) -> str:
     parts = [noun_phrase(graph)]
     for relation in graph.relations[:relations]:
         preposition = _PREPOSITION.get(relation.type, relation.type.removeprefix("is-"))
+        if relation.inverse:
+            preposition = "with"
         parts.append(f"{preposition} {noun_phrase(relation.target)}")
     return " ".join(parts)
