@@ -12,7 +12,7 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Sequence
 
 import msgspec
-from sacrebleu.metrics import BLEU
+from sacrebleu.metrics.bleu import BLEU
 
 from doro_evaluation.bootstrap import interval
 from doro_evaluation.queries import Outcome
@@ -85,7 +85,7 @@ def bleu(outcomes: Sequence[Outcome], draws: int = 1000) -> Score:
     texts = [one.verdict.text for one in outcomes]
     most = max((len(one.verdict.references) for one in outcomes), default=0)
     streams = [
-        [one.verdict.references[k] if k < len(one.verdict.references) else None for one in outcomes]
+        [one.verdict.references[k] if k < len(one.verdict.references) else "" for one in outcomes]
         for k in range(most)
     ]
     score = BLEU().corpus_score(texts, streams, n_bootstrap=draws)
