@@ -1,0 +1,164 @@
+"""Speed of the dialogue's core: decision with question, and answers, on one thread.
+
+CPU time of the thread, so that other work on the machine does not count. Scenes look like
+what the mapper gives: cups with a color, a material, a place and two things near.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+
+import numpy as np
+
+from doro_dialogue.core import Dialogue
+from doro_dialogue.decision import decide
+from doro_dialogue.facts import Candidate
+from doro_dialogue.question import compose, pick
+from doro_dialogue.settings import DialogueSettings
+from doro_evaluation.figures import Figure
+from doro_schemas.effects import Ask
+from doro_schemas.graph import ObjectGraph, Relation
+from doro_schemas.messages import (
+    Answer,
+    Exploration,
+    Instance,
+    Instances,
+    InstructionGraph,
+    ParseReply,
+    ParseRequest,
+    Query,
+)
+
+COLORS = ("red", "blue", "green", "yellow", "white", "black")
+MATERIALS = ("plastic", "glass", "ceramic")
+HOLDERS = ("table", "counter top", "shelf", "desk", "dining table")
+NEAR = ("sink", "microwave", "toaster", "lamp", "coffee machine", "garbage can")
+SAID = (
+    ObjectGraph("cup"),
+    ObjectGraph("cup", {"color": "red"}),
+    ObjectGraph("cup", {"color": "red"}, [Relation("is-on", ObjectGraph("table"))]),
+)
+SCENES = 300
+WARM_UP = 30
+SIZES = (5, 100)
+TARGETS_MS = {"decide_5": 0.2, "decide_100": 5.0}
+
+
+class Scene:
+    """An input graph and the candidates that it is decided on."""
+
+    def __init__(self, said: ObjectGraph, candidates: list[Candidate]) -> None:
+        self.said, self.candidates = said, candidates
+
+
+def scenes(candidates: int, count: int, seed: int) -> list[Scene]:
+    """Return ``count`` seeded scenes of ``candidates`` cups each."""
+    rng = np.random.default_rng([seed, candidates])
+
+    def one_of(words: Sequence[str]) -> str:
+        return words[int(rng.integers(len(words)))]
+
+    def cup() -> ObjectGraph:
+        own = {"color": one_of(COLORS), "material": one_of(MATERIALS)}
+        holder = ObjectGraph(one_of(HOLDERS), {"color": one_of(COLORS)})
+        near = [Relation("is-near", ObjectGraph(one_of(NEAR))) for _ in range(2)]
+        return ObjectGraph("cup", own, [Relation("is-on", holder), *near])
+
+    return [
+        Scene(SAID[k % len(SAID)], [Candidate(f"cup-{i + 1}", cup()) for i in range(candidates)])
+        for k in range(count)
+    ]
+
+
+def run_core_bench(count: int = SCENES, seed: int = 0) -> dict[str, Figure]:
+    """Return p50 and p99 in milliseconds of a decision with its question, and of an answer."""
+    figures: dict[str, Figure] = {}
+    for size in SIZES:
+        made = scenes(size, count + WARM_UP, seed)
+        times_ms = [_timed_ms(partial(_decide, one)) for one in made][WARM_UP:]
+        figures |= _quantiles(f"decide_{size}", times_ms)
+    answered = [_answer_ms(one) for one in scenes(SIZES[0], count + WARM_UP, seed + 1)][WARM_UP:]
+    figures |= _quantiles(f"answer_{SIZES[0]}", [one for one in answered if one is not None])
+    return {f"speed/dialogue/{name}": value for name, value in figures.items()}
+
+
+def _decide(scene: Scene) -> str:
+    question = compose(decide(scene.said, scene.candidates), task="bring")
+    return pick(question.wordings, 0, "bench/1")
+
+
+def _timed_ms(work: Callable[[], object]) -> float:
+    started_ns = time.thread_time_ns()
+    work()
+    return (time.thread_time_ns() - started_ns) / 1e6
+
+
+def _answer_ms(scene: Scene) -> float | None:
+    """Return the time from the answer to what it comes to; None where nothing is asked.
+
+    The answer names the last clause of the question; the parser's part, which is nlu's, is
+    handed in ready.
+    """
+    core, query = _asked(scene)
+    if query.state != "INFORM-AMBIGUITY" or len(query.clauses) < 2:
+        return None
+    meant = query.clauses[-1]
+    words = " ".join(["the", *meant.text.split(" ")[1:]])
+    answer = Answer(text=words, dialogue_id=query.dialogue_id)
+
+    def work() -> None:
+        for output in core.answer(answer):
+            if isinstance(output, Ask) and isinstance(output.request, ParseRequest):
+                core.parse_reply(ParseReply(text=output.request.text, graph=meant.graph))
+
+    return _timed_ms(work)
+
+
+def _asked(scene: Scene) -> tuple[Dialogue, Query]:
+    """Return a dialogue that has asked its question."""
+    core = Dialogue(DialogueSettings())
+    core.exploration(Exploration(episode="bench", state="started"))
+    core.exploration(Exploration(episode="bench", state="finished"))
+    core.instruction_graph(
+        InstructionGraph(episode="bench", text="bring me the cup", task="bring", graph=scene.said)
+    )
+    return core, _query_of(core, _instances(scene))
+
+
+def _instances(scene: Scene) -> Instances:
+    found = [
+        Instance(one.id, one.graph, [float(k), 0.9, 0.0], [0.1, 0.1, 0.1])
+        for k, one in enumerate(scene.candidates)
+    ]
+    return Instances(episode="bench", name="cup", frames_merged=1, last_frame=0, instances=found)
+
+
+def _query_of(core: Dialogue, reply: Instances) -> Query:
+    return next(one for one in core.instances(reply) if isinstance(one, Query))
+
+
+def decide_message_ms(replies: Sequence[tuple[InstructionGraph, Instances]]) -> list[float]:
+    """Return what the dialogue service's core takes from each instruction to its query.
+
+    Args:
+        replies: instructions as nlu understood them, with the map's reply to each.
+    """
+    return list(_core_times(replies))
+
+
+def _core_times(replies: Sequence[tuple[InstructionGraph, Instances]]) -> Iterator[float]:
+    core = Dialogue(DialogueSettings())
+    episode = replies[0][1].episode if replies else ""
+    core.exploration(Exploration(episode=episode, state="started"))
+    core.exploration(Exploration(episode=episode, state="finished"))
+    for instruction, reply in replies:
+        heard_ms = _timed_ms(partial(core.instruction_graph, instruction))
+        yield heard_ms + _timed_ms(partial(core.instances, reply))
+
+
+def _quantiles(name: str, times_ms: Sequence[float]) -> dict[str, Figure]:
+    """Return ``<name>_p50_ms`` and ``<name>_p99_ms``."""
+    p50, p99 = np.percentile(times_ms, [50, 99])
+    return {f"{name}_p50_ms": round(float(p50), 4), f"{name}_p99_ms": round(float(p99), 4)}
