@@ -14,9 +14,11 @@ from typing import Any, TypeVar
 from doro_schemas.bus import Bus, BusSettings, Request
 from doro_schemas.effects import Ask, Output, Unanswered
 from doro_schemas.errors import Refused
+from doro_schemas.kept import Due, Kept
 from doro_schemas.messages.base import Message
 from doro_schemas.messages.control import Health, StageTiming
 from doro_schemas.settings import load_settings
+from doro_schemas.statefile import StateFile
 from doro_schemas.topics import topic_of
 
 M = TypeVar("M", bound=Message)
@@ -36,6 +38,41 @@ class Shell:
         self._timings: dict[str, deque[float]] = {}
         self._counts: dict[str, int] = {}
         self._started_s = time.monotonic()
+        self._due: list[Due] = []
+        self._kept: Kept | None = None
+        self._first: list[Output] = []
+
+    @property
+    def bus_settings(self) -> BusSettings:
+        """The settings of the bus: endpoint and namespace."""
+        return self._bus.settings
+
+    def every(self, period_s: float, handler: Callable[[int], list[Output]]) -> None:
+        """Call a handler with the time (Unix nanoseconds) every so often while running.
+
+        A core reads no clock: the time comes in as an argument, so that a test or a replay
+        gives it the same one again.
+        """
+        self._due.append(Due(period_s, handler, time.monotonic()))
+
+    def keep(
+        self,
+        file: StateFile,
+        snapshot: Callable[[], bytes],
+        restore: Callable[[bytes], list[Output]],
+    ) -> None:
+        """Keep a core's state over restarts: load it now, write it after every message.
+
+        Args:
+            file: where; a damaged one is refused with a sentence, and the core starts afresh.
+            snapshot: the core's state as bytes.
+            restore: takes such bytes back; returns what is to be done first, once running.
+        """
+        self._kept = Kept(file, snapshot)
+        try:
+            self._first = self._kept.load(restore)
+        except Refused as refused:
+            self._bus.reject(str(file.path), refused)
 
     def on(self, kind: type[M], handler: Callable[[M], list[Output]], *, late: bool = True) -> None:
         """Give every message of a type to a handler; see :meth:`Bus.subscribe` for ``late``."""
@@ -71,10 +108,15 @@ class Shell:
     def run(self) -> None:
         """Announce the service and handle what arrives until it is stopped."""
         self._bus.declare_alive()
-        period_s = self._bus.settings.health_period_s
+        health = Due(self._bus.settings.health_period_s, self._publish_health, time.monotonic())
+        due = [health, *self._due]
+        self._publish_health(0)
+        self._guarded("start", self._first)
         while not self._bus.stopping:
-            self._bus.publish(self.health())
-            self._bus.run_until(time.monotonic() + period_s)
+            self._bus.run_until(min(one.next_s for one in due))
+            for one in due:
+                if not self._bus.stopping and one.take(time.monotonic()):
+                    self._guarded("tick", lambda one=one: one.handler(time.time_ns()))  # type: ignore[misc]
         for action in self._on_stop:
             action()
         self._bus.publish(self.health())
@@ -100,16 +142,43 @@ class Shell:
         self._note(stage, time.perf_counter() - started)
         self._carry_out(outputs)
 
+    def _guarded(self, key: str, work: list[Output] | Callable[[], list[Output]]) -> None:
+        """Do what no message caused; a refusal is told as one of a message is."""
+        try:
+            self._carry_out(work() if callable(work) else work)
+        except Refused as refused:
+            self._bus.reject(key, refused)
+
+    def _publish_health(self, _now_ns: int) -> list[Output]:
+        self._bus.publish(self.health())
+        return []
+
     def _carry_out(self, outputs: list[Output]) -> None:
-        """Publish messages; put requests and handle their replies, until nothing is left."""
+        """Publish messages; put requests and handle their replies, until nothing is left.
+
+        Where a state is kept, it is written before anything is said that rests on it.
+        """
         waiting = deque(outputs)
+        self._save(waiting)
+        said = False
         while waiting:
             output = waiting.popleft()
             if isinstance(output, Ask):
                 reply = self._ask(output.request)
                 waiting.extend(self._replies[type(reply)](reply))
+                self._save(waiting)
             else:
+                said = True
                 self._bus.publish(output)
+        self._save((), durable=said)
+
+    def _save(self, outputs: Sequence[Output], *, durable: bool = False) -> None:
+        if self._kept is None:
+            return
+        try:
+            self._kept.save(outputs, durable=durable)
+        except Refused as refused:
+            self._bus.reject("state", refused)
 
     def _ask(self, request: Message) -> Message:
         topic = topic_of(type(request))

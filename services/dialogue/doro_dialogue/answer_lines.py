@@ -8,13 +8,22 @@ from typing import Any
 import msgspec
 
 from doro_dialogue.acts import hear
+from doro_dialogue.ask_reading import Chosen, choose, compose_split
 from doro_dialogue.decision import Decision, decide
 from doro_dialogue.facts import Candidate, name_of
 from doro_dialogue.question import compose
+from doro_dialogue.readings import Split, decide_readings
 from doro_dialogue.records import SceneRecord, answer_or_error
-from doro_dialogue.reply import Manner, decide_anew, reply_to
-from doro_dialogue.resolve import resolve
-from doro_dialogue.scene import Scene, read_question
+from doro_dialogue.reply import (
+    Manner,
+    Said,
+    ask_about,
+    ask_reading_again,
+    decide_anew,
+    reply_to,
+)
+from doro_dialogue.resolve import Outcome, resolve
+from doro_dialogue.scene import Scene, observed_words, read_question
 from doro_schemas.errors import Refused
 from doro_schemas.graph import ObjectGraph
 from doro_schemas.messages.talk import Clause, State
@@ -32,6 +41,7 @@ class _Asked(msgspec.Struct):
     text: str
     clauses: list[Clause] = []
     state: State | None = None
+    reason: str = ""
 
 
 class _Record(SceneRecord, kw_only=True):
@@ -62,15 +72,25 @@ def answer_record(record: dict[str, Any], parse: Parse, *, seed: int = 0) -> dic
 
 
 def _answer(record: _Record, parse: Parse, seed: int) -> dict[str, Any]:
-    ids, candidates = record.own_ids(), record.candidates()
-    scene = _scene(record, decide(record.graph, candidates), candidates)
+    candidates = record.candidates()
+    manner = Manner(seed, str(record.id), record.task, record.unseen_share)
+    read = decide_readings(record.all_readings(), candidates, decide)
+    asked = read.split if read.split and _asks_for_reading(record, read.split) else None
+    scene = _scene(record, read.decision, candidates, reading=asked is not None)
+    if asked is not None:
+        words = observed_words([one.graph for one in candidates])
+        chosen = choose(asked, record.answer, words)
+        if chosen is not None:
+            return _result(record, *_read_as(asked, chosen, scene, manner))
     heard = hear(record.answer, name_of(record.graph.name))
     outcome = resolve(scene, heard, {text: parse(text) for text in heard.texts})
-    manner = Manner(seed, str(record.id), record.task, record.unseen_share)
     if outcome.replaced is not None:
-        outcome, said = decide_anew(outcome.replaced, candidates, manner)
-    else:
-        said = reply_to(scene, outcome, manner)
+        return _result(record, *decide_anew([outcome.replaced], candidates, manner))
+    return _result(record, outcome, reply_to(scene, outcome, manner))
+
+
+def _result(record: _Record, outcome: Outcome, said: Said) -> dict[str, Any]:
+    ids = record.own_ids()
     targets = [ids[one] for one in outcome.targets]
     return {
         "id": record.id,
@@ -81,8 +101,35 @@ def _answer(record: _Record, parse: Parse, seed: int) -> dict[str, Any]:
     }
 
 
-def _scene(record: _Record, decision: Decision, candidates: list[Candidate]) -> Scene:
-    """Return the question as it was put: by its clauses, or as its text names them."""
+def _asks_for_reading(record: _Record, split: Split) -> bool:
+    """Tell whether the query of a record is the question for a reading."""
+    if isinstance(record.query, _Asked) and record.query.reason:
+        return record.query.reason == "readings"
+    text = record.query if isinstance(record.query, str) else record.query.text
+    return not text or any(wording in text for wording in compose_split(split).wordings)
+
+
+def _read_as(split: Split, chosen: Chosen, scene: Scene, manner: Manner) -> tuple[Outcome, Said]:
+    again = Outcome("ask_again")
+    if chosen.how == "reading":
+        return decide_anew(chosen.readings, scene.candidates, manner)
+    if chosen.how == "any":
+        return again, ask_about(scene, scene.ids, manner)
+    return again, ask_reading_again(split, manner)
+
+
+def _scene(
+    record: _Record, decision: Decision, candidates: list[Candidate], *, reading: bool
+) -> Scene:
+    """Return the question as it was put: by its clauses, or as its text names them.
+
+    Args:
+        reading: a reading was asked for; those that any reading singles out are offered.
+    """
+    if reading:
+        graphs = {one.id: one.graph for one in candidates}
+        groups = [Clause([name], "", graphs[name]) for name in decision.matches]
+        return Scene(record.graph, decision.state, "", groups, candidates, ordered=False)
     question = compose(decision, task=record.task, unseen_share=record.unseen_share)
     own = [Clause(part.instance_ids, part.text, part.graph) for part in question.parts]
     asked = record.query

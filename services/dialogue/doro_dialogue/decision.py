@@ -13,7 +13,9 @@ from doro_schemas.errors import Refused
 from doro_schemas.graph import ObjectGraph
 from doro_schemas.messages.talk import State
 
-Reason = Literal["unique_match", "several_match", "no_match", "mismatch", "unknown", "missing"]
+Reason = Literal[
+    "unique_match", "several_match", "no_match", "mismatch", "unknown", "missing", "readings"
+]
 
 
 class Judged(msgspec.Struct, frozen=True):

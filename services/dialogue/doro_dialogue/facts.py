@@ -10,6 +10,7 @@ import msgspec
 
 from doro_schemas.errors import Refused
 from doro_schemas.graph import MAX_DEPTH, ObjectGraph, Relation
+from doro_schemas.messages.map import Evidence
 from doro_schemas.vocabulary import canonical_name, canonical_value
 
 COLOR, MATERIAL = "color", "material"
@@ -38,10 +39,16 @@ Fact = Attribute | Relation
 
 
 class Candidate(msgspec.Struct, frozen=True):
-    """An instance as the decision sees it: its id and its graph."""
+    """An instance as the decision sees it.
+
+    Attributes:
+        id, graph: its id and what is known of it.
+        views: frames that show it, the strongest first; for left and right, nothing else.
+    """
 
     id: str
     graph: ObjectGraph
+    views: tuple[Evidence, ...] = ()
 
 
 def rank(fact: Fact) -> tuple[int, str]:

@@ -26,6 +26,7 @@ from doro_dialogue.surface import (
     without_article,
 )
 from doro_schemas.graph import ObjectGraph, Relation
+from doro_schemas.messages.talk import SeenFrom
 
 WH_SUFFIXES = (
     "which one do you mean?",
@@ -48,10 +49,19 @@ class Part(msgspec.Struct, frozen=True):
 
 
 class Question(msgspec.Struct, frozen=True):
-    """A question or confirmation: its clauses, and every wording of it in a fixed order."""
+    """A question or confirmation.
+
+    Attributes:
+        parts: its clauses, in order.
+        wordings: every wording, in a fixed order, the plainest first.
+        seen_from: the view in which left and right are meant; None where no side is named.
+        also: instances that it mentions without offering them.
+    """
 
     parts: list[Part]
     wordings: list[str]
+    seen_from: SeenFrom | None = None
+    also: list[Part] = []
 
 
 def compose(decision: Decision, *, task: str = "", unseen_share: float = 0.0) -> Question:

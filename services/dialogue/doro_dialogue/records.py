@@ -10,13 +10,15 @@ import msgspec
 from doro_dialogue.facts import Candidate
 from doro_schemas.errors import Refused
 from doro_schemas.graph import ObjectGraph
+from doro_schemas.messages.map import Evidence
 
 
 class RecordInstance(msgspec.Struct):
-    """One instance of a record, by the caller's own id."""
+    """One instance of a record, by the caller's own id; views only for left and right."""
 
     id: str | int
     graph: ObjectGraph
+    evidence: list[Evidence] = []
 
 
 class SceneRecord(msgspec.Struct, kw_only=True):
@@ -25,12 +27,17 @@ class SceneRecord(msgspec.Struct, kw_only=True):
     id: str | int
     graph: ObjectGraph
     instances: list[RecordInstance]
+    readings: list[ObjectGraph] = []
     task: str = ""
     unseen_share: float = 0.0
 
     def candidates(self) -> list[Candidate]:
         """Return the instances as candidates, ids as text."""
-        return [Candidate(str(one.id), one.graph) for one in self.instances]
+        return [Candidate(str(one.id), one.graph, tuple(one.evidence)) for one in self.instances]
+
+    def all_readings(self) -> list[ObjectGraph]:
+        """Return the graphs that the instruction may mean, the preferred one first."""
+        return [self.graph, *self.readings]
 
     def own_ids(self) -> dict[str, str | int]:
         """Return the caller's ids by their text."""

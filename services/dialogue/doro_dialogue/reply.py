@@ -6,16 +6,18 @@ from collections.abc import Sequence
 
 import msgspec
 
+from doro_dialogue.ask_reading import compose_read, compose_split
 from doro_dialogue.decision import Decision, Judged, decide
 from doro_dialogue.discriminate import discriminate
 from doro_dialogue.facts import Candidate, Fact, facts_of, graph_with, place_of
 from doro_dialogue.matching import match
 from doro_dialogue.question import Part, Question, carries, compose, pick
+from doro_dialogue.readings import Split, decide_readings
 from doro_dialogue.resolve import Outcome
 from doro_dialogue.scene import Scene
 from doro_dialogue.surface import counted, listed
 from doro_schemas.graph import ObjectGraph, Relation
-from doro_schemas.messages.talk import State
+from doro_schemas.messages.talk import SeenFrom, State
 
 SORRY = "I could not tell from that. "
 
@@ -27,6 +29,7 @@ class Said(msgspec.Struct, frozen=True):
     parts: list[Part]
     state: State
     reason: str
+    seen_from: SeenFrom | None = None
 
 
 class Manner(msgspec.Struct, frozen=True):
@@ -54,11 +57,12 @@ def reply_to(scene: Scene, outcome: Outcome, manner: Manner) -> Said:
 
 
 def decide_anew(
-    graph: ObjectGraph, candidates: Sequence[Candidate], manner: Manner
+    readings: Sequence[ObjectGraph], candidates: Sequence[Candidate], manner: Manner
 ) -> tuple[Outcome, Said]:
-    """Decide for an object that replaces the first one."""
-    decision = decide(graph, candidates)
-    question = compose(decision, task=manner.task, unseen_share=manner.unseen_share)
+    """Decide for an object that replaces the first one, or for the reading that was chosen."""
+    read = decide_readings(readings, candidates, decide)
+    decision = read.decision
+    question = compose_read(read, task=manner.task, unseen_share=manner.unseen_share)
     said = _say(question, decision.state, decision.reason, manner)
     if decision.state == "CONFIRM":
         return Outcome("resolved", targets=decision.matches), said
@@ -66,11 +70,12 @@ def decide_anew(
 
 
 def _say(question: Question, state: State, reason: str, manner: Manner) -> Said:
-    return Said(pick(question.wordings, manner.seed, manner.key), question.parts, state, reason)
+    text = pick(question.wordings, manner.seed, manner.key)
+    return Said(text, question.parts, state, reason, question.seen_from)
 
 
 def _judged(scene: Scene, ids: Sequence[str], graph: ObjectGraph) -> list[Judged]:
-    return [Judged(Candidate(one, scene.graph(one)), match(graph, scene.graph(one))) for one in ids]
+    return [Judged(scene.candidate(one), match(graph, scene.graph(one))) for one in ids]
 
 
 def _resolved(scene: Scene, outcome: Outcome, manner: Manner) -> Said:
@@ -84,7 +89,7 @@ def _resolved(scene: Scene, outcome: Outcome, manner: Manner) -> Said:
 
 
 def _several(scene: Scene, outcome: Outcome, manner: Manner) -> Said:
-    groups = discriminate([Candidate(one, scene.graph(one)) for one in outcome.targets])
+    groups = discriminate([scene.candidate(one) for one in outcome.targets])
     parts = [
         Part(group.ids, counted(group.graph, len(group.ids), other=group.other), group.graph)
         for group in groups
@@ -113,11 +118,27 @@ def _again(scene: Scene, outcome: Outcome, manner: Manner) -> Said:
         parts = [Part(one.instance_ids, one.text, one.graph) for one in scene.groups]
         text = SORRY + scene.text.removeprefix(SORRY)
         return Said(text, parts, scene.state, "ask_again")
+    said = _which(scene, ids, manner)
+    return msgspec.structs.replace(said, text=note + said.text)
+
+
+def ask_about(scene: Scene, ids: Sequence[str], manner: Manner) -> Said:
+    """Ask which of these is meant, or offer the only one."""
+    return _which(scene, ids, manner) if len(ids) > 1 else _offer(scene, ids[0], None, manner)
+
+
+def ask_reading_again(split: Split, manner: Manner) -> Said:
+    """Put the question for a reading once more."""
+    question = compose_split(split)
+    text = SORRY + pick(question.wordings, manner.seed, manner.key)
+    return Said(text, question.parts, "INFORM-AMBIGUITY", "readings")
+
+
+def _which(scene: Scene, ids: Sequence[str], manner: Manner) -> Said:
     judged = _judged(scene, ids, scene.said)
     decision = Decision(scene.said, "INFORM-AMBIGUITY", "several_match", judged, judged)
     question = compose(decision, task=manner.task)
-    said = _say(question, "INFORM-AMBIGUITY", "ask_again", manner)
-    return msgspec.structs.replace(said, text=note + said.text)
+    return _say(question, "INFORM-AMBIGUITY", "ask_again", manner)
 
 
 def _offer(scene: Scene, name: str, graph: ObjectGraph | None, manner: Manner) -> Said:
@@ -125,7 +146,7 @@ def _offer(scene: Scene, name: str, graph: ObjectGraph | None, manner: Manner) -
     said = _named(scene, graph)
     found = match(said, scene.graph(name))
     if graph is not None and found.verdict == "unknown":
-        judged = [Judged(Candidate(name, scene.graph(name)), found)]
+        judged = [Judged(scene.candidate(name), found)]
         decision = Decision(said, "INFORM-MISMATCH", "unknown", judged, judged)
         return _say(compose(decision, task=manner.task), "INFORM-MISMATCH", "offer", manner)
     seen = scene.graph(name)

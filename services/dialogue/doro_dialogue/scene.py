@@ -55,9 +55,13 @@ class Scene(msgspec.Struct, frozen=True):
         """The question gave its order by place."""
         return self.ordered and BY_PLACE.search(self.text.lower()) is not None
 
+    def candidate(self, name: str) -> Candidate:
+        """Return an instance by its id."""
+        return next(one for one in self.candidates if one.id == name)
+
     def graph(self, name: str) -> ObjectGraph:
         """Return what is known of an instance."""
-        return next(one.graph for one in self.candidates if one.id == name)
+        return self.candidate(name).graph
 
     def verdict(self, graph: ObjectGraph, name: str) -> Verdict:
         """Hold a description against an instance, class name included."""
@@ -96,13 +100,22 @@ class Scene(msgspec.Struct, frozen=True):
 
     def values(self) -> set[str]:
         """Return all observed values; for membership only."""
-        return {
-            word
-            for one in self.candidates
-            for node in walk(one.graph)
-            for value in node.attributes.values()
-            for word in value_of(value).split(" ")
-        }
+        return observed_words([one.graph for one in self.candidates], names=False)
+
+
+def observed_words(graphs: Sequence[ObjectGraph], *, names: bool = True) -> set[str]:
+    """Return the words of all observed values, and of all names; for membership only."""
+    found = {
+        word
+        for graph in graphs
+        for node in walk(graph)
+        for value in node.attributes.values()
+        for word in value_of(value).split(" ")
+    }
+    if names:
+        for graph in graphs:
+            found.update(word for node in walk(graph) for word in node.name.split(" "))
+    return found
 
 
 def _literal(said: ObjectGraph, named: ObjectGraph, name: str = "") -> bool:

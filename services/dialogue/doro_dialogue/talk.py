@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from doro_dialogue.decision import Decision, decide, paper_literal
+from doro_dialogue.ask_reading import compose_read
+from doro_dialogue.decision import decide, paper_literal
 from doro_dialogue.facts import Candidate
-from doro_dialogue.question import Part, compose, pick
+from doro_dialogue.question import Part, pick
+from doro_dialogue.readings import Read, decide_readings
 from doro_dialogue.settings import DialogueSettings
 from doro_schemas.graph import ObjectGraph
 from doro_schemas.messages import Belief, Clause, Evidence, Instance, Instances, Query, Target
@@ -15,15 +17,26 @@ from doro_schemas.messages.language import InstructionGraph
 MAX_EVIDENCE = 3
 
 
-def decide_on(graph: ObjectGraph, reply: Instances, settings: DialogueSettings) -> Decision:
-    """Decide for the instances that the map knows."""
-    candidates = [Candidate(one.instance_id, one.graph) for one in reply.instances]
-    rule = paper_literal if settings.paper_literal else decide
-    return rule(graph, candidates)
+def decide_on(
+    readings: Sequence[ObjectGraph], reply: Instances, settings: DialogueSettings
+) -> Read:
+    """Decide for the instances that the map knows, over all readings of the instruction.
+
+    The paper has one reading, and so has ``paper_literal``.
+    """
+    seen = candidates_of(reply)
+    if settings.paper_literal:
+        return Read(paper_literal(readings[0], seen))
+    return decide_readings(readings, seen, decide)
+
+
+def candidates_of(reply: Instances) -> list[Candidate]:
+    """Return the instances of a reply as the decision sees them."""
+    return [Candidate(one.instance_id, one.graph, tuple(one.evidence)) for one in reply.instances]
 
 
 def query_of(
-    decision: Decision,
+    read: Read,
     instruction: InstructionGraph,
     reply: Instances,
     settings: DialogueSettings,
@@ -32,7 +45,8 @@ def query_of(
     episode: str,
 ) -> Query:
     """Return the Query, revision 0, without a stamp: its text, clauses and their evidence."""
-    question = compose(decision, task=instruction.task, unseen_share=reply.unseen_share)
+    decision = read.decision
+    question = compose_read(read, task=instruction.task, unseen_share=reply.unseen_share)
     return Query(
         episode=episode,
         dialogue_id=dialogue_id,
@@ -46,6 +60,9 @@ def query_of(
         instances=decision.instances,
         unseen_share=reply.unseen_share,
         map_digest=reply.digest,
+        frames_merged=reply.frames_merged,
+        seen_from=question.seen_from,
+        also=clauses_of(question.also, reply.instances),
     )
 
 
@@ -55,8 +72,9 @@ def clauses_of(parts: Sequence[Part], instances: Sequence[Instance]) -> list[Cla
     return [_clause(part, [by_id[name] for name in part.instance_ids]) for part in parts]
 
 
-def belief_of(decision: Decision, reply: Instances, dialogue_id: str, episode: str) -> Belief:
+def belief_of(read: Read, reply: Instances, dialogue_id: str, episode: str) -> Belief:
     """Return the Belief, without a stamp."""
+    decision = read.decision
     return Belief(
         episode=episode,
         dialogue_id=dialogue_id,
@@ -65,6 +83,16 @@ def belief_of(decision: Decision, reply: Instances, dialogue_id: str, episode: s
         matches=decision.matches,
         instances=decision.instances,
         frames_merged=reply.frames_merged,
+        unseen_share=reply.unseen_share,
+        confidence=confidence_of(read, reply),
+    )
+
+
+def confidence_of(read: Read, reply: Instances) -> float:
+    """Return the lowest existence of the instances that a decision rests on; -1: none."""
+    rests_on = read.decision.instances
+    return min(
+        (one.confidence for one in reply.instances if one.instance_id in rests_on), default=-1.0
     )
 
 
