@@ -7,10 +7,9 @@ from typing import NamedTuple
 
 from doro_nlu.labels import is_noun, is_relation
 from doro_nlu.spans import Span
-from doro_nlu.targets import gap_before
+from doro_nlu.targets import brings_contents, gap_before
 from doro_nlu.words import (
     BREAKERS,
-    COMPANIONS,
     COPULAS,
     DETERMINERS,
     JOINTS,
@@ -70,8 +69,8 @@ class Contents:
             return Carried(pending.kind, pending, True, False) if which else None
         gap = gap_before(self.words, self.spans, noun.start)
         after = self._stranded_after(noun)
-        if any(word in COMPANIONS for word in gap) and len(gap) <= _LONGEST_PHRASE + 2:
-            return self._with(after)
+        if brings_contents(gap):
+            return self._with(noun, after)
         clause = bool(gap) and gap[0] in RELATIVES and len(gap) <= 3
         return self._clause(noun, after) if clause else None
 
@@ -93,10 +92,13 @@ class Contents:
                 return False
         return True
 
-    def _with(self, after: Span | None) -> Carried | None:
+    def _with(self, noun: Span, after: Span | None) -> Carried | None:
         if after is not None:
             inside = self.words[after.start] in _INSIDE
             return Carried(after.kind, after, True, inside)
+        where, what, *_ = [*self.words[noun.end : noun.end + 2], "", ""]
+        if where in STRANDED and (what in THIRD or not what):
+            return Carried(STRANDED[where], None, True, where in _INSIDE)
         return None if self._tool else Carried(HELD, None, False, False)
 
     def _clause(self, noun: Span, after: Span | None) -> Carried | None:

@@ -8,39 +8,51 @@ from collections.abc import Callable, Sequence
 from doro_nlu.reasons import LANGUAGE, NO_WORD, Reason
 
 
-def _words(text: str) -> list[str]:
-    return text.split()
+def _words(text: str) -> frozenset[str]:
+    return frozenset(text.split())
 
 
-_ENGLISH = frozenset(
-    _words(
-        """
+_ENGLISH = _words(
+    """
     the a an of to from with at near next by is are that which there my your me please
     can could would you i it and not this these those some any between behind under
     inside front top left right for one was has have where what bring pick take get find
-    fetch give grab hand put show
+    fetch give grab hand put show it's i'm i'd don't let's then turn go up off into on
     """
-    )
 )
-_FOREIGN = frozenset(
-    _words(
-        """
-    der das den dem ein eine einen einem und mir ich bitte auf dem neben nicht ist mit
-    von zum le les une des du et moi sur dans avec est pas qui où près mon ma el los las
-    una y por favor en del con mi está tu il lo gli di sul della per che het een naar
-    mij op och ett med til jag på av não uma um meu para na och dla jest lorem ipsum
-    dolor
+"""Function words and the commonest verbs of requests."""
+
+_FOREIGN = _words(
     """
-    )
+    der das dem ein eine einen einem einer und mir ich bitte auf nicht ist mit
+    von zum zur neben hol gib bringe nimm welche wo unter hinter zwischen den die
+    la le les une des du et moi sur dans avec est pas qui où près mon ma ce cette au aux
+    apporte donne prends s'il plaît l'
+    el los las una y por favor en del con mi está trae tráeme dame coge sobre cerca
+    il lo gli di sul della nella per che dammi prendi portami vicino sopra
+    um uma meu para na da perto traga pegue o os em
+    het een naar mij op geef breng pak bij naast van
+    och ett med til jag på av ge ta mig bredvid hent tag meg
+    dla jest na przynieś mi proszę obok w z
+    bana getir lütfen üzerinde ve bir
+    tuo minulle se ja hozd ide az egy
+    lorem ipsum dolor sit amet
+    """
 )
-_MIN_KNOWN_SHARE = 0.34
+"""Function words and commonest verbs of other languages; those that English has as well are left
+out or outweighed: "the den" is English, "den Becher" is not."""
+
+_BOTH = _words("die den do no me an so am in also will was war bad rot hat on to o w z")
+_MIN_KNOWN_SHARE = 0.5
 
 
 def not_english(tokens: Sequence[str], knows: Callable[[str], bool]) -> Reason | None:
     """Return why a text is not taken for English, or None if it may be.
 
-    Letters of another script, more foreign than English function words, or hardly a known
-    word at all. Unknown names are fine ("bring the flibber"), a lone unknown word as well.
+    Refused: letters of another script; more foreign than English function words; at least as
+    many and hardly a known word; a foreign one and no known word that names anything; no
+    English function word and hardly a known one.
+    Unknown names are fine ("bring the flibber"), a lone unknown word as well.
     """
     words = [token.lower() for token in tokens if token[0].isalpha()]
     shown = " ".join(tokens)[:60]
@@ -54,9 +66,15 @@ def not_english(tokens: Sequence[str], knows: Callable[[str], bool]) -> Reason |
                 LANGUAGE, f"'{word[:40]}' is not written in Latin letters: say it in English"
             )
     english = sum(word in _ENGLISH for word in words)
-    foreign = sum(word in _FOREIGN for word in words)
+    foreign = sum(word in _FOREIGN and word not in _BOTH for word in words)
+    either = sum(word in _FOREIGN and word in _BOTH for word in words)
     known = sum(word in _ENGLISH or knows(word) for word in words)
-    if foreign > english or (len(words) > 1 and known < _MIN_KNOWN_SHARE * len(words)):
+    if foreign and not all(word.isascii() for word in words):
+        foreign += sum(not word.isascii() and word not in _FOREIGN for word in words)
+    few = len(words) > 1 and known - foreign - either < _MIN_KNOWN_SHARE * len(words)
+    content = [word for word in words if word not in _ENGLISH and word not in _FOREIGN]
+    strange = foreign > 0 and not any(knows(word) for word in content)
+    if foreign > english or strange or (few and foreign + either >= english):
         return Reason(
             LANGUAGE,
             f"'{shown}' does not read as English ({known} of {len(words)} words are known):"

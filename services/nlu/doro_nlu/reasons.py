@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from doro_nlu.words import MOVES, PRONOUNS, TOWARDS
+from doro_nlu.words import MOVES, PRONOUNS, TOWARDS, WAYS
 
 NO_WORD = "no_word"
 LANGUAGE = "language"
@@ -37,11 +37,7 @@ def no_object(words: Sequence[str], text: str) -> Reason:
         words: its tokens in lower case.
     """
     quoted = shown(text)
-    moves = any(
-        word in MOVES and any(later in TOWARDS for later in words[at + 1 : at + 4])
-        for at, word in enumerate(words)
-    )
-    if moves:
+    if _moves(words):
         return Reason(
             NAVIGATION, f"only a place to go to was named in '{quoted}': say what to fetch or find"
         )
@@ -51,6 +47,16 @@ def no_object(words: Sequence[str], text: str) -> Reason:
             f"no object to fetch or find was named in '{quoted}': name the thing instead of 'one'",
         )
     return Reason(NO_OBJECT, f"no object to fetch or find was named in '{quoted}'")
+
+
+def _moves(words: Sequence[str]) -> bool:
+    """Tell whether a text sends the robot somewhere: "go to", "walk straight over to"."""
+    for at, word in enumerate(words):
+        if word in MOVES:
+            rest = [later for later in words[at + 1 : at + 4] if later not in WAYS]
+            if rest and rest[0] in TOWARDS:
+                return True
+    return False
 
 
 def two_targets(first: str, second: str) -> Reason:

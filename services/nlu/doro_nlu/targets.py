@@ -25,6 +25,8 @@ from doro_nlu.words import (
 _NEAR = "is-near"
 _LOOK_BACK = 5
 _LONGEST_PHRASE = 5
+_BEFORE_COMPANION = frozenset([",", "that", "which", "is", "are", "'s", "that's", "filled"])
+_ALSO = (["along", "with"], ["together", "with"], ["as", "well"])
 _SEQUENCE = frozenset(["and", ",", ";", ".", "then", "also", "next", "&"])
 
 
@@ -82,6 +84,15 @@ def gap_before(words: Sequence[str], spans: Sequence[Span], start: int) -> list[
     return [words[at] for at in range(end, start) if at not in labelled]
 
 
+def brings_contents(gap: Sequence[str]) -> bool:
+    """Tell whether the words between two nouns say that the first has the second: "with the",
+    "which has a", "filled with"; not "along with the", "while holding the"."""
+    rest = list(gap)
+    while rest and rest[0] in _BEFORE_COMPANION:
+        rest.pop(0)
+    return bool(rest) and rest[0] in COMPANIONS and len(rest) <= _LONGEST_PHRASE
+
+
 def _after_connector(words: Sequence[str], spans: Sequence[Span], noun: Span) -> bool:
     """Tell whether a relation stands right before the noun phrase ("next to the knife")."""
     before = [span for span in spans if span.end <= noun.start and not _is_value(span)]
@@ -117,13 +128,15 @@ def _is_landmark(
     gap = gap_before(words, spans, span.start)
     after = words[span.end : span.end + 2]
     if nouns and nouns[-1] is not root and gap and gap[0] in JOINTS and _short(gap[1:]):
+        if brings_contents(gap_before(words, settled, nouns[-1].start)):
+            return True
         connectors = [item for item in settled if is_relation(item.kind)]
         own = any(is_relation(item.kind) and item.start == span.end for item in spans)
         return bool(connectors) and connectors[-1].kind == _NEAR and not own
     if not gap or any(word in JOINTS for word in gap):
         return False
     carried = gap[0] in RELATIVES and _short(gap[1:]) and bool(after) and after[0] in COPULAS
-    return carried or (any(word in COMPANIONS for word in gap[:3]) and len(gap) <= 4)
+    return carried or brings_contents(gap)
 
 
 def _short(gap: Sequence[str]) -> bool:
@@ -138,8 +151,10 @@ def _second_by_joint(words: Sequence[str], spans: Sequence[Span], root: Span) ->
     """
     for other in _others(spans, root):
         gap = gap_before(words, spans, other.start)
-        joined = [word for word in gap[:2] if word in JOINTS]
-        if joined and _short(gap[len(joined) :]) and not is_negated(words, other.start):
+        also = 2 if gap[:2] in _ALSO else 0
+        joined = gap[:also] or [word for word in gap[:2] if word in JOINTS]
+        rest = gap[len(joined) + (gap[also : also + 1] == ["as"]) :]
+        if joined and _short(rest) and not is_negated(words, other.start):
             return other.text
     return ""
 

@@ -90,6 +90,7 @@ MOVES = frozenset(
 )
 """Verbs that move the robot."""
 
+WAYS = frozenset(_words("over back straight down up ahead forward along out around left right"))
 TOWARDS = frozenset(_words("to towards toward into through across in inside"))
 ROOMS = frozenset(
     _words(
@@ -107,18 +108,19 @@ def is_room(name: str) -> bool:
 
 
 TASKS: tuple[str, ...] = (
-    "pick up", "take out", "pull out", "go get", "look for", "search for", "look at",
-    "point to", "point at", "show me", "turn on", "turn off", "switch on", "switch off",
-    "put down", "lift up", "hand over", "bring over", "bring back", "reach for", "plug in",
-    "throw away", "where is", "where are", "where 's", "acquire", "activate", "bring",
-    "carry", "check", "chill", "choose", "clean", "close", "collect", "cook", "cut",
+    "pick up", "take out", "pull out", "go get", "look for", "search for", "look at", "point to",
+    "point at", "show me", "turn on", "turn off", "switch on", "switch off", "put down",
+    "lift up", "hand over", "bring over", "bring back", "reach for", "plug in", "throw away",
+    "get rid of", "where is", "where are", "where 's", "acquire", "activate", "arrange", "attach",
+    "bring", "carry", "check", "chill", "choose", "clean", "close", "collect", "cook", "cut",
     "deliver", "detect", "drop", "dust", "empty", "examine", "fetch", "fill", "find", "fold",
-    "gather", "get", "give", "grab", "hand", "hang", "heat", "hold", "identify", "insert",
-    "inspect", "lay", "leave", "lift", "locate", "lock", "move", "obtain", "open", "pass",
-    "pick", "pickup", "place", "point", "press", "pull", "push", "put", "reach", "recover",
-    "remove", "retrieve", "return", "rinse", "search", "seek", "select", "send", "show",
-    "shut", "slice", "spot", "stack", "start", "stop", "store", "take", "throw", "touch",
-    "transfer", "unplug", "use", "want", "need", "wash", "water", "wipe",
+    "follow", "gather", "get", "give", "grab", "grasp", "hand", "hang", "heat", "hold",
+    "identify", "insert", "inspect", "lay", "leave", "lift", "locate", "lock", "move", "need",
+    "obtain", "open", "pass", "pick", "pickup", "place", "point", "press", "pull", "push", "put",
+    "reach", "read", "recover", "release", "remove", "restart", "retrieve", "return", "rinse",
+    "search", "seek", "select", "send", "set", "show", "shut", "slice", "spot", "stack", "stand",
+    "start", "stop", "store", "take", "throw", "touch", "transfer", "unplug", "use", "want",
+    "wash", "water", "wipe",
 )  # fmt: skip
 """Verb phrases of tasks, particles with them; longer ones first."""
 
