@@ -15,6 +15,7 @@ from doro_console.media import import_folder, play, record
 from doro_console.options import Common, common_options, says_refusals, talk
 from doro_console.rooms import rooms
 from doro_console.sheets import sheet
+from doro_console.study import study
 
 SENTENCES = (
     "bring me the red cup",
@@ -208,7 +209,7 @@ def bench_play(json_path: Path | None, paced: int) -> None:
     run_bench_play(json_path, paced)
 
 
-for command in (play, record, import_folder, rooms, evaluate):
+for command in (play, record, import_folder, rooms, evaluate, study):
     main.add_command(command)
 rooms.add_command(sheet)
 

@@ -40,6 +40,7 @@ class Asked(msgspec.Struct, frozen=True):
         instances: all instances that the system knew; clauses name them.
         intended: those of them that are what the participant is told to want; empty where
             the system has not found it.
+        graph: what the system understood; None: what is true, the item's own.
     """
 
     text: str
@@ -47,6 +48,7 @@ class Asked(msgspec.Struct, frozen=True):
     clauses: list[Clause] = []
     instances: list[KnownInstance] = []
     intended: list[str] = []
+    graph: ObjectGraph | None = None
 
 
 class Unit(msgspec.Struct, frozen=True):

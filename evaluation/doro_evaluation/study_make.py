@@ -14,7 +14,8 @@ import numpy as np
 
 from doro_evaluation.study import SCALES, Asked, Check, Item, Study, Unit, with_digest
 from doro_evaluation.study_plan import draw_plan
-from doro_evaluation.study_scenes import Asker, Scene
+from doro_evaluation.study_scenes import Scene
+from doro_evaluation.study_systems import Asker
 from doro_evaluation.study_views import Photographer, shot, views_for
 
 TEMPLATE = "study_page"
@@ -98,17 +99,22 @@ def _item(item_id: str, scene: Scene, asker: Asker) -> Item:
 
 
 def units_of(item_id: str, asked: Mapping[str, Asked], seed: int) -> list[Unit]:
-    """Return the texts to rate: systems that say the same share one, in a seeded order."""
+    """Return the texts to rate; systems that say the same share one.
+
+    The order turns by one with every scene: whoever sees the k-th of each scene sees every
+    system equally often. The numbers in the ids are seeded, as participants could read them.
+    """
+    turn = int(item_id[1:])
     texts = list(dict.fromkeys(one.text for one in asked.values()))
-    rng = np.random.default_rng([seed, int(item_id[1:])])
-    shuffled = [texts[number] for number in rng.permutation(len(texts))]
+    texts = [texts[(turn + k) % len(texts)] for k in range(len(texts))]
+    numbers = np.random.default_rng([seed, turn]).permutation(len(texts)) + 1
     return [
         Unit(
             id=f"{item_id}q{number}",
             text=text,
             asked={system: one for system, one in asked.items() if one.text == text},
         )
-        for number, text in enumerate(shuffled, 1)
+        for number, text in zip(numbers.tolist(), texts, strict=True)
     ]
 
 
@@ -124,7 +130,9 @@ def _shown(item: Item, scene: Scene, asker: Asker) -> Shown:
         shot(image, room.detections[view], item.marks, item.wanted)
         for image, view in zip(images, views, strict=True)
     ]
-    pictures = [{"source": one.source, "letters": one.letters} for one in shots]
+    pictures: list[dict[str, Any]] = [
+        {"source": one.source, "letters": one.letters} for one in shots
+    ]
     if item.marks:
         plan = draw_plan(room.truth, item.marks, item.wanted)
         pictures.append({"source": plan, "letters": list(item.marks), "plan": True})

@@ -59,7 +59,7 @@ def views_for(
         landmarks: object ids to show, each with those that say where it is; none: the views
             that show most of the room.
     """
-    things = dict(landmarks) or {one: () for one in _all_things(detections)}
+    things = dict(landmarks) or dict.fromkeys(_all_things(detections), ())
     quality = np.array(
         [[_quality(frame, one, by) for one, by in things.items()] for frame in detections]
     ).reshape(len(detections), len(things))

@@ -44,8 +44,8 @@ function planOf(participant) {
   const next = random(seed);
   let pages = [];
   if (data.design === "one") {
-    // In turns over the scenes: every participant rates every system about equally often.
-    data.items.forEach((item, k) => pages.push({ item, unit: item.units[(seed + k) % item.units.length] }));
+    // The texts of a scene stand in turns: every participant rates every system equally often.
+    data.items.forEach((item) => pages.push({ item, unit: item.units[seed % item.units.length] }));
     pages = shuffled(pages, next);
   } else {
     // A round for each text of a scene: texts of one scene are never close together.
