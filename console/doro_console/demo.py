@@ -72,6 +72,7 @@ def _arguments(common: Common, settings: DemoSettings, endpoint: str) -> list[st
     arguments = ["--config", str(common.config)] if common.config else []
     own = [
         f"bus.endpoint={endpoint}",
+        "dialogue.state_dir=off",  # every run is the first
         f"perception.backend={settings.backend}",
         f"viewer.rrd={settings.out.resolve() / 'demo.rrd'}",
         f"viewer.png={settings.out.resolve() / 'map.png'}",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -34,7 +35,10 @@ class Chain:
         self.endpoint = f"tcp/127.0.0.1:{free_port()}"
         self.settings = BusSettings(endpoint=self.endpoint, open_timeout_s=READY_S)
         self._services = list(services)
-        self._overrides = [f"bus.endpoint={self.endpoint}", *settings]
+        self._folder = tempfile.TemporaryDirectory(prefix="doro-chain-")
+        self.state_dir = Path(self._folder.name)
+        own = [f"bus.endpoint={self.endpoint}", f"dialogue.state_dir={self.state_dir}"]
+        self._overrides = [*own, *settings]
         self.processes: dict[str, subprocess.Popen[str]] = {}
         self.bus = Bus("test", self.settings)
         self.queries: list[Query] = []
@@ -64,7 +68,9 @@ class Chain:
         self.bus.close()
         for process in self.processes.values():
             process.terminate()
-        return {name: process.wait(20) for name, process in self.processes.items()}
+        statuses = {name: process.wait(20) for name, process in self.processes.items()}
+        self._folder.cleanup()
+        return statuses
 
     def __exit__(
         self,

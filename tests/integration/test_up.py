@@ -21,7 +21,7 @@ from doro_sim_feeder.presence import Presence
 from tests.integration.chain import BIN, READY_S, SAMPLE
 
 ENDPOINT = f"tcp/127.0.0.1:{free_port()}"
-ON = ("--set", f"bus.endpoint={ENDPOINT}")
+ON = ("--set", f"bus.endpoint={ENDPOINT}", "--set", "dialogue.state_dir=off")
 
 
 def doro(*arguments: str) -> subprocess.CompletedProcess[str]:
