@@ -42,25 +42,39 @@ def render(arguments: tuple[str, ...]) -> None:
 @rooms.command("set")
 @click.option("--out", type=FOLDER, required=True, help="Folder of the recordings.")
 @click.option("--workers", type=click.IntRange(1, 16), default=2, show_default=True)
+@click.option(
+    "--part",
+    "parts",
+    multiple=True,
+    default=("paper",),
+    show_default=True,
+    help="paper (the 107), extra, chairs, chairs-tune, stacks, stacks-tune; repeatable.",
+)
 @click.option("--only", multiple=True, help="Only this recording, room or part; repeatable.")
 @click.option("--seed", default=7, show_default=True, help="Chooses rooms, copies and views.")
 @click.option("--views", type=click.IntRange(1), help="Views per room; default: one per cell.")
 @click.option("--size", "size_px", type=click.IntRange(16, 4096), default=300, show_default=True)
 @says_refusals
 def make_set(
-    out: Path, workers: int, only: tuple[str, ...], seed: int, views: int | None, size_px: int
+    out: Path,
+    workers: int,
+    parts: tuple[str, ...],
+    only: tuple[str, ...],
+    seed: int,
+    views: int | None,
+    size_px: int,
 ) -> None:
     """Make the paper's evaluation set: recordings, truth, instructions, manifest.
 
     A recording that is there and whole is not made again.
     """
     from doro_console.references import write_references
-    from doro_sim_feeder.rooms.evaluation_set import plan_set, select
+    from doro_sim_feeder.rooms.evaluation_set import select
     from doro_sim_feeder.rooms.make_set import Render, make_set, write_manifest
+    from doro_sim_feeder.rooms.more_sets import plan_all, plan_part
 
     started = time.monotonic()
-    plan = plan_set(seed)
-    rows = select(plan, only)
+    rows = select([row for part in parts for row in plan_part(part, seed)], only)
     folder = Render(out, size_px, views)
     made: list[Made] = []
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
@@ -75,7 +89,7 @@ def make_set(
                     markup=False,
                 )
     sentences = sum(write_references(out, one.truth) for one in made)
-    manifest = write_manifest(plan, made, folder, seed)
+    manifest = write_manifest(plan_all(seed), made, folder, seed)
     again = sum(one.again for one in made)
     views_made = sum(one.truth.views for one in made)
     talk.print(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import cv2
 import msgspec
@@ -19,7 +19,7 @@ from doro_sim_feeder.rooms.copies import CopySpec, Unplaced
 from doro_sim_feeder.rooms.exploration import View, plan_views
 from doro_sim_feeder.rooms.footprints import CELL_M
 from doro_sim_feeder.rooms.lighting import Lighting
-from doro_sim_feeder.rooms.placement import place_copies, spawn_copies
+from doro_sim_feeder.rooms.placement import Spawned, place_copies, spawn_copies
 from doro_sim_feeder.rooms.renderers import RendererName, make_renderer
 from doro_sim_feeder.rooms.scene import Scene, build_scene
 from doro_sim_feeder.rooms.truth import TrueInstance, detections, true_instances
@@ -37,6 +37,8 @@ class RoomEpisode:
         scene: what is rendered.
         views: where from, in order.
         missing: copies that were asked for and found no place.
+
+    ``arrange`` changes the room before it is rendered: chairs round a table, piles.
     """
 
     def __init__(
@@ -53,6 +55,7 @@ class RoomEpisode:
         order: str = "random",
         allow_missing: bool = False,
         name: str = "",
+        arrange: Callable[[Scene], Spawned] | None = None,
     ) -> None:
         scene = build_scene(room)
         self.missing: tuple[Unplaced, ...] = ()
@@ -61,6 +64,9 @@ class RoomEpisode:
             scene, self.missing = spawned.scene, spawned.missing
         elif copies is not None:
             scene = spawn_copies(scene, copies, seed)
+        if arrange is not None:
+            spawned = arrange(scene)
+            scene, self.missing = spawned.scene, self.missing + spawned.missing
         if not len(scene.cells):
             raise Refused(f"{room} has no cell where the agent can stand: take another room")
         self.name = name or f"{room}-seed{seed}"

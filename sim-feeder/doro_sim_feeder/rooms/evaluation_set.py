@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
+from collections.abc import Callable
 
 import msgspec
 import numpy as np
@@ -16,6 +17,8 @@ from doro_schemas.errors import Refused
 from doro_sim_feeder.rooms.classes import BEDROOM, CLASSES, KITCHEN, LIVING, EvaluatedClass
 from doro_sim_feeder.rooms.copies import CopySpec
 from doro_sim_feeder.rooms.layout import load_layout, room_names
+from doro_sim_feeder.rooms.placement import Spawned
+from doro_sim_feeder.rooms.scene import Scene
 from doro_sim_feeder.rooms.version import generator_version
 
 VALIDATION_ROOMS = 5
@@ -49,6 +52,10 @@ class SetRow(msgspec.Struct, frozen=True):
         if not self.copies:
             return None
         return CopySpec(self.object_type, self.copies, arrange="mixed")
+
+    def arrangement(self) -> Callable[[Scene], Spawned] | None:
+        """Return what else changes the room before it is rendered (:mod:`more_sets`)."""
+        return None
 
     def digest(self, size_px: int, views: int | None) -> str:
         """Return the digest of all that the recording depends on."""

@@ -24,6 +24,7 @@ class Instance:
         color, material: true self attributes of what is rendered; None where none applies.
         receptacles: ids of what it stands on or in.
         copy: spawned, not of the room's own layout.
+        piled: put on or into another thing on purpose: the first of ``receptacles`` holds it.
     """
 
     object_id: str
@@ -35,6 +36,7 @@ class Instance:
     pickupable: bool = False
     receptacles: tuple[str, ...] = ()
     copy: bool = False
+    piled: bool = False
 
     @functools.cached_property
     def corners(self) -> tuple[Floats, Floats]:

@@ -104,6 +104,7 @@ def make_one(row: SetRow, render: Render) -> RoomTruth:
         color=False,
         allow_missing=True,
         name=row.name,
+        arrange=row.arrangement(),
     )
     path = render.out / f"{row.name}.mcap"
     metadata = _metadata(row, render, episode)

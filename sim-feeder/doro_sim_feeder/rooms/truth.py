@@ -114,15 +114,26 @@ def relations_of(
         if relation == "is-near":
             if _furniture_sized(boxes[k]) and not other.pickupable:
                 near.append((_ground_gap(box, boxes[k]), k, relation))
-        elif footprint_share(box, boxes[k]) > 0:
+        elif footprint_share(box, boxes[k]) > 0 and not (isinstance(item, Instance) and item.piled):
             # A box may hold what only stands above it (a chair under the table's edge): what
             # is known to carry the thing comes first, then the nearest surface.
             known = any(name.startswith(other.object_id) for name in item.receptacles)
             gap = abs(box.low(2) - boxes[k].high(2))
             holders.append((not known, round(gap, 2), area, k, relation))
     chosen = [(k, relation) for *_, k, relation in sorted(holders)[:1]]
+    chosen += _held_by(item, instances, boxes, box)
     chosen += [(k, relation) for _, k, relation in sorted(near)[:NEAR_LANDMARKS]]
     return [_relation(relation, instances[k]) for k, relation in chosen]
+
+
+def _held_by(
+    item: Thing, instances: Sequence[Thing], boxes: Sequence[Box3], box: Box3
+) -> list[tuple[int, str]]:
+    """Return what a piled thing was put on or into, which may be of its class and smaller."""
+    if not (isinstance(item, Instance) and item.piled):
+        return []
+    below = next(k for k, one in enumerate(instances) if one.object_id == item.receptacles[0])
+    return [(below, relation_between(box, boxes[below]) or "is-on")]
 
 
 def _relation(relation: str, landmark: Thing) -> TrueRelation:
