@@ -183,6 +183,9 @@ def _control() -> list[Message]:
         m.Exploration(
             **OF_EPISODE, state="finished", frames=8, room="FloorPlan1", covered_area_m2=9.5
         ),
+        m.PoseCorrections(
+            **OF_EPISODE, frames=[7], poses=[pose_from_ai2thor((1.0, 1.5, 2.0), 90.0, 30.0)]
+        ),
         m.ExplorationGoal(
             **OF_EPISODE,
             frame=7,

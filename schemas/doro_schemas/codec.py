@@ -90,9 +90,14 @@ def encode(message: Message) -> bytes:
         for name in kind.__struct_fields__
         if name not in kind.SEGMENTS
     }
+    for name, default in kind.ADDED.items():
+        if name in fields and fields[name] == default:
+            del fields[name]
     table, parts = [], []
     for name in kind.SEGMENTS:
         array = np.ascontiguousarray(getattr(message, name))
+        if name in kind.ADDED and not array.size:
+            continue
         table.append([name, _DTYPE_NAMES[array.dtype], list(array.shape)])
         parts += [array.data.cast("B") if array.size else b"", _padding(array.nbytes)]
     header = msgpack.packb({**fields, "segments": table})
@@ -186,7 +191,7 @@ def _segment_table(fields: dict[str, Any], kind: type[Message]) -> list[tuple[st
         entries = msgspec.convert(table, list[tuple[str, str, list[int]]])
     except msgspec.ValidationError as error:
         raise Refused(f"{schema_name(kind)}: segments: {error}", **_where(fields)) from error
-    missing = set(kind.SEGMENTS) - {name for name, _, _ in entries}
+    missing = set(kind.SEGMENTS) - set(kind.ADDED) - {name for name, _, _ in entries}
     if missing:
         raise Refused(f"{schema_name(kind)}: segment '{min(missing)}' is missing", **_where(fields))
     for name, dtype, shape in entries:

@@ -117,6 +117,8 @@ TABLE: tuple[Topic, ...] = (
           "anyone", "mapper", kind="queryable"),
     Topic("exploration", "doro/exploration", (m.Exploration,), Delivery.EVERY,
           "robot or feeder", "mapper, dialogue", late=1),
+    Topic("poses", "doro/poses", (m.PoseCorrections,), Delivery.EVERY,
+          "robot", "mapper"),
     Topic("goal", "doro/exploration/goal", (m.ExplorationGoal,), Delivery.LATEST,
           "mapper", "robot or feeder"),
     Topic("belief", "doro/belief", (m.Belief,), Delivery.LATEST,

@@ -4,6 +4,7 @@ from doro_schemas.messages.control import (
     Exploration,
     ExplorationGoal,
     Health,
+    PoseCorrections,
     Rejected,
     ServiceStatus,
     StageTiming,
@@ -17,6 +18,7 @@ from doro_schemas.messages.language import (
 )
 from doro_schemas.messages.map import (
     Evidence,
+    GoneInstance,
     GraphEntry,
     GridDelta,
     GridRequest,
@@ -50,6 +52,7 @@ __all__ = [
     "ExplorationGoal",
     "FrameCaptions",
     "FrameGraphs",
+    "GoneInstance",
     "GraphBox",
     "GraphEntry",
     "GridDelta",
@@ -63,6 +66,7 @@ __all__ = [
     "InstructionGraph",
     "ParseReply",
     "ParseRequest",
+    "PoseCorrections",
     "Query",
     "Rejected",
     "ServiceStatus",

@@ -26,7 +26,8 @@ class Message(msgspec.Struct, kw_only=True):
     SEGMENTS: ClassVar[tuple[str, ...]] = ()
     ADDED: ClassVar[dict[str, object]] = {}
     """Fields that came after the first release and their defaults: with its default such a
-    field is left out on the wire, so that older bytes stay what they were."""
+    field is left out on the wire, so that older bytes stay what they were. A segment that came
+    later stands here as well, and is left out where it is empty."""
 
     stamp_ns: int = 0
     episode: str = ""

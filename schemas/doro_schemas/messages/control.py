@@ -65,6 +65,31 @@ class ExplorationGoal(Message, kw_only=True):
     unseen_share: float = 1.0
 
 
+class PoseCorrections(Message, kw_only=True):
+    """Frames were taken elsewhere than their poses said: a loop was closed.
+
+    What the mapper keeps of these frames is placed anew. Frames that it does not know, or has
+    forgotten, are ignored.
+
+    Attributes:
+        camera: whose frames.
+        frames: their numbers.
+        poses: by frame, the corrected absolute pose.
+    """
+
+    camera: str = "cam0"
+    frames: list[int]
+    poses: list[Pose]
+
+    def __post_init__(self) -> None:
+        if len(self.frames) != len(self.poses):
+            raise ValueError(
+                f"{len(self.frames)} frames but {len(self.poses)} poses: send one pose a frame"
+            )
+        if len(dict.fromkeys(pose.world for pose in self.poses)) > 1:
+            raise ValueError("the poses are in different worlds: send one kind of world")
+
+
 class StageTiming(msgspec.Struct, frozen=True):
     """Time of one stage since the service's start, microseconds."""
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import msgspec
 import numpy as np
 
 from doro_schemas.graph import ObjectGraph
 from doro_schemas.messages.base import Message
+from doro_schemas.messages.perception import ClassProbability
 
 
 class GraphEntry(msgspec.Struct, frozen=True):
@@ -16,6 +17,11 @@ class GraphEntry(msgspec.Struct, frozen=True):
 
     graph_id: int
     graph: ObjectGraph
+
+
+def _no_rows(columns: int) -> Any:
+    """Return the default of a segment of int32 rows."""
+    return msgspec.field(default_factory=lambda: np.zeros((0, columns), np.int32))
 
 
 class GridDelta(Message, kw_only=True):
@@ -31,10 +37,18 @@ class GridDelta(Message, kw_only=True):
         cells: int32 (n, 6) of changed cells: graph_id, ground cell a, ground cell b, height
             band, frequency, observable (absolute values after the change). In a ``unity``
             world a is x and b is z; in a ``ros`` world a is x and b is y.
-        weights: float32 (n,) sum of weights of the same cells, absolute.
+        weights: float32 (n,) sum of weights of the same cells, absolute. A cell with frequency 0
+            is no longer in the map (a pose was corrected).
+        blocks: int32 (m, 4) of blocks that this frame had in view: block a, block b, block up,
+            and the frames that had them in view, absolute. A block is 5 x 5 cells and 2 bands:
+            its numbers are the cell's divided by (5, 5, 2), rounded down. A cell's observable
+            is the larger one of its frequency and its block's count; a delta repeats cells only
+            when their weight changed.
+        corrected: frames that corrected poses placed anew; ``frame`` is -1 then.
     """
 
-    SEGMENTS: ClassVar[tuple[str, ...]] = ("cells", "weights")
+    SEGMENTS: ClassVar[tuple[str, ...]] = ("cells", "weights", "blocks")
+    ADDED: ClassVar[dict[str, object]] = {"blocks": None, "corrected": 0}
 
     seq: int
     reset: bool = False
@@ -46,9 +60,12 @@ class GridDelta(Message, kw_only=True):
     new_graphs: list[GraphEntry] = []
     cells: np.ndarray[Any, Any]
     weights: np.ndarray[Any, Any]
+    blocks: np.ndarray[Any, Any] = _no_rows(4)
+    corrected: int = 0
 
     def __post_init__(self) -> None:
         check_cells(self.cells, self.weights)
+        check_rows(self.blocks, 4, "blocks")
 
 
 class GridRequest(Message, kw_only=True):
@@ -62,11 +79,34 @@ class GridSnapshot(Message, kw_only=True):
 
     Attributes:
         floor: int32 (m, 2) ground cells seen to be floor or surface, for pictures.
-        path_m: camera positions in order of merging, float32 (k, 2) ground metres.
+        path_m: camera positions in order of merging, float32 (k, 2) ground metres; the latest.
         digest: hex digest of graphs and cells, equal for equal maps.
+        blocks: int32 (m, 4) all blocks, as in :class:`GridDelta`.
+        squares: int32 (m, 4) squares of ``square_m`` in which a surface was seen: square a, square
+            b, frames, and a bit for each eighth of the circle from which it was looked at (bit 0:
+            looking along +a, the next ones turning towards +b).
+        regions, region_scores: int32 (k, 3) graph_id, region a, region b and float32 (k,): the
+            paper's occupancy score of the graph in regions of ``region_m``; sums to 1 by graph.
     """
 
-    SEGMENTS: ClassVar[tuple[str, ...]] = ("cells", "weights", "floor", "path_m")
+    SEGMENTS: ClassVar[tuple[str, ...]] = (
+        "cells",
+        "weights",
+        "floor",
+        "path_m",
+        "blocks",
+        "squares",
+        "regions",
+        "region_scores",
+    )
+    ADDED: ClassVar[dict[str, object]] = {
+        "blocks": None,
+        "squares": None,
+        "regions": None,
+        "region_scores": None,
+        "square_m": 0.0,
+        "region_m": 0.0,
+    }
 
     frames_merged: int
     last_frame: int
@@ -78,9 +118,20 @@ class GridSnapshot(Message, kw_only=True):
     weights: np.ndarray[Any, Any]
     floor: np.ndarray[Any, Any]
     path_m: np.ndarray[Any, Any]
+    blocks: np.ndarray[Any, Any] = _no_rows(4)
+    squares: np.ndarray[Any, Any] = _no_rows(4)
+    regions: np.ndarray[Any, Any] = _no_rows(3)
+    region_scores: np.ndarray[Any, Any] = msgspec.field(
+        default_factory=lambda: np.zeros(0, np.float32)
+    )
+    square_m: float = 0.0
+    region_m: float = 0.0
 
     def __post_init__(self) -> None:
         check_cells(self.cells, self.weights)
+        check_rows(self.blocks, 4, "blocks")
+        check_rows(self.squares, 4, "squares")
+        check_rows(self.regions, 3, "regions")
 
 
 def check_cells(cells: np.ndarray[Any, Any], weights: np.ndarray[Any, Any]) -> None:
@@ -89,6 +140,12 @@ def check_cells(cells: np.ndarray[Any, Any], weights: np.ndarray[Any, Any]) -> N
         raise ValueError(f"cells must be int32 (n, 6), got {cells.dtype} {cells.shape}")
     if weights.dtype != np.float32 or weights.shape != (len(cells),):
         raise ValueError(f"weights must be float32 ({len(cells)},), got {weights.shape}")
+
+
+def check_rows(rows: np.ndarray[Any, Any], columns: int, what: str) -> None:
+    """Raise ValueError unless ``rows`` is int32 (n, columns)."""
+    if rows.dtype != np.int32 or rows.ndim != 2 or rows.shape[1] != columns:
+        raise ValueError(f"{what} must be int32 (n, {columns}), got {rows.dtype} {rows.shape}")
 
 
 class Evidence(msgspec.Struct, frozen=True):
@@ -104,15 +161,20 @@ class Instance(msgspec.Struct, frozen=True):
     """A unique instance graph and what supports it.
 
     Attributes:
-        instance_id: stable within an episode for equal input ("cup-1").
+        instance_id: given once in an episode and never to another thing ("cup-1"), whatever
+            the map learns later; equal for equal input.
         graph: class, voted attributes, relations; never observed stays absent.
         position_m: centre of what was seen, world axes, metres.
         extent_m: size of the axis-aligned box, world axes, metres.
-        confidence: existence, 0..1.
+        confidence: probability that it exists, 0..1, from hits and misses.
         hits, misses: frames that saw it; frames that should have and did not.
         evidence: strongest views first.
         cells: ground cells ``[a, b, band]`` that it stands on.
         runner_up: by attribute type, the second most seen value, if any.
+        status: ``confirmed``: counts; ``tentative``: seen too little. Absent: confirmed.
+        covariance_m2: of the position, xx, xy, xz, yy, yz, zz in world axes, square metres.
+        classes: class distribution over all views, most probable first.
+        replaces: ids under which parts of it were known before they turned out to be one.
     """
 
     instance_id: str
@@ -125,6 +187,24 @@ class Instance(msgspec.Struct, frozen=True):
     evidence: list[Evidence] = []
     cells: list[list[int]] = []
     runner_up: dict[str, str] = {}
+    status: Literal["confirmed", "tentative"] | msgspec.UnsetType = msgspec.UNSET
+    covariance_m2: list[float] | msgspec.UnsetType = msgspec.UNSET
+    classes: list[ClassProbability] | msgspec.UnsetType = msgspec.UNSET
+    replaces: list[str] | msgspec.UnsetType = msgspec.UNSET
+
+
+class GoneInstance(msgspec.Struct, frozen=True):
+    """An id that was given and stands for no counted instance now; it may come back.
+
+    Attributes:
+        reason: ``merged``: it turned out to be ``replaced_by``; ``moved``: its place was looked
+            at again and it was not there; ``doubted``: too many views missed it.
+        replaced_by: the instance that it is now, empty where there is none.
+    """
+
+    instance_id: str
+    reason: Literal["merged", "moved", "doubted"]
+    replaced_by: str = ""
 
 
 class InstancesRequest(Message, kw_only=True):
@@ -151,7 +231,13 @@ class Instances(Message, kw_only=True):
         digest: digest of that map.
         unseen_share: share of the area inside the map's bounds that no frame observed, 0..1.
         instances: the unique instances, in order of their ids.
+        tentative: things seen too little to count; ids are empty where none was given yet.
+        gone: ids given before that stand for no counted instance of the reply's classes.
+        one_sided_share: share of the area observed that was looked at from one side only, 0..1;
+            what hides behind things there has not been seen.
     """
+
+    ADDED: ClassVar[dict[str, object]] = {"tentative": [], "gone": [], "one_sided_share": 0.0}
 
     name: str
     frames_merged: int
@@ -159,3 +245,6 @@ class Instances(Message, kw_only=True):
     digest: str = ""
     unseen_share: float = 0.0
     instances: list[Instance] = []
+    tentative: list[Instance] = []
+    gone: list[GoneInstance] = []
+    one_sided_share: float = 0.0
