@@ -134,6 +134,10 @@ SIDE = re.compile(
     r"(?:\b(?:on|to|at|in) )?\b(?:the |your |my )?\b(?:far |very )?"
     r"(?P<side>left(?:most)?|right(?:most)?|middle|center|centre)(?:[- ]hand)?(?: side)?\b(?! of)"
 )
+FROM_SIDE = re.compile(
+    r"\b(?:the )?(?P<number>first|second|third|fourth|fifth|sixth|1st|2nd|3rd|4th|5th|6th|last)"
+    r"(?: one)? from (?:the |your |my )?(?P<side>left|right)(?:[- ]hand)?(?: side)?\b"
+)
 PREPOSITION = re.compile(
     r"\b(?:on top of|on|in|inside|near|next to|beside|by|close to|under|behind|in front of|at|from"
     r"|left of|right of|to the left of|to the right of)\b"

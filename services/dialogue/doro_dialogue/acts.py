@@ -22,6 +22,7 @@ from doro_dialogue.act_words import (
     DESCRIBING,
     EMPTY,
     FILLER,
+    FROM_SIDE,
     IT_IS,
     LEADING_NO,
     LEADING_YES,
@@ -52,7 +53,7 @@ class Phrase(msgspec.Struct, frozen=True):
         text: what the parser is to read, the class name in place of "one"; may be empty.
         negative: the thing is not so.
         ordinal: 1 the first, -1 the last, 0 none given.
-        side: left, middle or right, or empty.
+        side: left, middle or right, or empty; with an ordinal it is counted from there.
         other: "the other one".
         plural: "the red ones".
         unclear: says something that no observation answers ("the biggest", "mine").
@@ -201,9 +202,13 @@ def _phrase(said: str, name: str) -> Phrase:
     said = UNCLEAR.sub(" ", said)
     other = bool(OTHER.search(said))
     said = OTHER.sub(lambda found: " one " if "one" in found.group() else " ", said)
-    ordinal, said, mixed = _ordinal(said)
     side = ""
-    if match := SIDE.search(said):
+    if match := FROM_SIDE.search(said):
+        side, ordinal, mixed = match.group("side"), ORDINALS[match.group("number")], False
+        said = f"{said[: match.start()]} one {said[match.end() :]}"
+    else:
+        ordinal, said, mixed = _ordinal(said)
+    if not side and (match := SIDE.search(said)):
         side = {"l": "left", "r": "right"}.get(match.group("side")[0], "middle")
         said = f"{said[: match.start()]} one {said[match.end() :]}"
     text = _to_parse(said, name)

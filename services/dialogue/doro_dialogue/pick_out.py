@@ -15,6 +15,7 @@ from doro_dialogue.scene import Scene
 from doro_schemas.graph import ObjectGraph
 from doro_schemas.messages.talk import Clause
 
+IN_ROW = re.compile(r", (?:on the (?:left|right)|in the middle|the \w+ from the left)$").search
 Graphs = dict[str, ObjectGraph | None]
 
 
@@ -92,7 +93,9 @@ def _phrase(
     if graph is not None:
         by_facts = {one: scene.verdict(graph, one) for one in scene.ids}
     placed: list[str] | None = None
-    if phrase.ordinal:
+    if phrase.ordinal and phrase.side:
+        placed = _from_side(scene, phrase.ordinal, phrase.side)
+    elif phrase.ordinal:
         placed = _ordinal(scene, phrase.ordinal, by_facts)
     elif phrase.side:
         placed = _side(scene, phrase.side)
@@ -165,8 +168,20 @@ def _side(scene: Scene, side: str) -> list[str] | None:
     named = [g for g in scene.groups if re.search(rf"\b{side}(?! of)\b", g.text)]
     if len(named) == 1:
         return named[0].instance_ids
-    count = len(scene.groups)
-    if not scene.by_place or (side == "middle" and count % 2 == 0):
+    row = _row(scene)
+    if not row or (side == "middle" and len(row) % 2 == 0):
         return None
-    index = {"left": 0, "middle": count // 2, "right": count - 1}[side]
-    return scene.groups[index].instance_ids
+    index = {"left": 0, "middle": len(row) // 2, "right": len(row) - 1}[side]
+    return row[index].instance_ids
+
+
+def _from_side(scene: Scene, number: int, side: str) -> list[str] | None:
+    """Return the group counted from a side ("the second from the left")."""
+    row = _row(scene) if side == "left" else _row(scene)[::-1]
+    index = number - 1 if number > 0 else len(row) - 1
+    return row[index].instance_ids if 0 <= index < len(row) else None
+
+
+def _row(scene: Scene) -> list[Clause]:
+    """Return the groups that the question put in a row, from left to right."""
+    return list(scene.groups) if scene.by_place else [g for g in scene.groups if IN_ROW(g.text)]

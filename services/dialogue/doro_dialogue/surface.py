@@ -53,12 +53,12 @@ def is_plural(name: str) -> bool:
     return name.rsplit(" ", maxsplit=1)[-1] in PAIR | SET
 
 
-def counted(graph: ObjectGraph, count: int = 1, *, other: bool = False) -> str:
+def counted(graph: ObjectGraph, count: int = 1, *, other: bool = False, alike: bool = True) -> str:
     """Return "one red cup on top of the table", "two identical red cups", "one other cup"."""
     before = [count_word(count)]
     if other:
         before.append("other")
-    if count > 1 and graph.attributes:
+    if alike and count > 1 and graph.attributes:
         before.append("identical")
     return _phrase(before, graph, count)
 

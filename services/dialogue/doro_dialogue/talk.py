@@ -13,6 +13,7 @@ from doro_dialogue.settings import DialogueSettings
 from doro_schemas.graph import ObjectGraph
 from doro_schemas.messages import Belief, Clause, Evidence, Instance, Instances, Query, Target
 from doro_schemas.messages.language import InstructionGraph
+from doro_schemas.messages.talk import SeenFrom
 
 MAX_EVIDENCE = 3
 
@@ -55,7 +56,7 @@ def query_of(
         state=decision.state,
         reason=decision.reason,
         text=pick(question.wordings, settings.seed, dialogue_id),
-        clauses=clauses_of(question.parts, reply.instances),
+        clauses=clauses_of(question.parts, reply.instances, question.seen_from),
         matches=decision.matches,
         instances=decision.instances,
         unseen_share=reply.unseen_share,
@@ -66,10 +67,25 @@ def query_of(
     )
 
 
-def clauses_of(parts: Sequence[Part], instances: Sequence[Instance]) -> list[Clause]:
-    """Return the clauses with the frames, boxes and cells that support them."""
+def clauses_of(
+    parts: Sequence[Part], instances: Sequence[Instance], seen_from: SeenFrom | None = None
+) -> list[Clause]:
+    """Return the clauses with the frames, boxes and cells that support them.
+
+    Args:
+        seen_from: the view that gives left and right; it stands first where a clause has it.
+    """
     by_id = {one.instance_id: one for one in instances}
-    return [_clause(part, [by_id[name] for name in part.instance_ids]) for part in parts]
+    return [
+        Clause(
+            instance_ids=part.instance_ids,
+            text=part.text,
+            graph=part.graph,
+            evidence=_strongest([by_id[name] for name in part.instance_ids], seen_from),
+            cells=[cell for name in part.instance_ids for cell in by_id[name].cells],
+        )
+        for part in parts
+    ]
 
 
 def belief_of(read: Read, reply: Instances, dialogue_id: str, episode: str) -> Belief:
@@ -123,23 +139,15 @@ def _substance(query: Query) -> tuple[object, ...]:
     return (query.state, query.reason, query.matches, query.instances, named)
 
 
-def _clause(part: Part, instances: list[Instance]) -> Clause:
-    return Clause(
-        instance_ids=part.instance_ids,
-        text=part.text,
-        graph=part.graph,
-        evidence=_strongest(instances),
-        cells=[cell for one in instances for cell in one.cells],
-    )
-
-
-def _strongest(instances: list[Instance]) -> list[Evidence]:
+def _strongest(instances: list[Instance], seen_from: SeenFrom | None) -> list[Evidence]:
     """Return up to three views, the strongest of every instance first."""
     deepest = max((len(one.evidence) for one in instances), default=0)
     views = [
         one.evidence[level]
-        for level in range(min(deepest, MAX_EVIDENCE))
+        for level in range(deepest)
         for one in instances
         if level < len(one.evidence)
     ]
-    return views[:MAX_EVIDENCE]
+    if seen_from is not None:
+        views.sort(key=lambda one: (one.camera, one.frame) != (seen_from.camera, seen_from.frame))
+    return views[: max(MAX_EVIDENCE, len(instances))]

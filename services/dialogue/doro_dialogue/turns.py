@@ -218,7 +218,7 @@ class Turns:
             state=said.state,
             reason=said.reason,
             text=said.text,
-            clauses=clauses_of(said.parts, instances),
+            clauses=clauses_of(said.parts, instances, said.seen_from),
             seen_from=said.seen_from,
             also=[],
         )
