@@ -40,7 +40,7 @@ class Area:
         self.views = Views(settings.max_views)
         self.maps = HashMaps(settings.cell_m, settings.band_m, settings.max_cells)
         self.coverage = Coverage(settings.cell_m, settings.coverage_cell_m, settings.max_depth_m)
-        self._finder: InstanceFinder = (
+        self.finder: InstanceFinder = (
             TrackFinder(settings, self.views)
             if settings.finder == "tracks"
             else RegionFinder(settings, self.views, self.maps)
@@ -61,7 +61,7 @@ class Area:
         first_new = len(self.maps.graphs)
         cells = [(self.maps.graph_id(sighting.graph)[0], samples) for sighting, samples in kept]
         rows = self.maps.merge(cells, self.views, serial)
-        self._finder.add(serial, [sighting for sighting, _ in kept])
+        self.finder.add(serial, [sighting for sighting, _ in kept])
         counters["cells_dropped"] = self.maps.cells_dropped
         return Change(self.maps.entries(first_new), *self.maps.published(rows))
 
@@ -103,7 +103,7 @@ class Area:
 
     def find(self) -> list[Found]:
         """Return all instances as of now."""
-        return self._finder.find()
+        return self.finder.find()
 
     def digest(self) -> str:
         """Return the digest of graphs and cells."""

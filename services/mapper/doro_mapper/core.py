@@ -9,6 +9,8 @@ from doro_mapper.carried import with_carried
 from doro_mapper.instances import build
 from doro_mapper.join import Half, Join, Key
 from doro_mapper.settings import MapperSettings
+from doro_mapper.track import Track
+from doro_mapper.tracks import TrackFinder
 from doro_schemas.camera import World
 from doro_schemas.effects import Output
 from doro_schemas.errors import Refused
@@ -137,6 +139,15 @@ class Mapper:
             floor=self._area.coverage.floor(),
             path_m=self._area.coverage.path_m(),
         )
+
+    def tracks(self) -> list[Track]:
+        """Return the object tracks as they stand, for the planner; none with other finders."""
+        finder = self._area.finder
+        return finder.tracks() if isinstance(finder, TrackFinder) else []
+
+    def unseen_share(self) -> float:
+        """Return the share of the area that no frame observed, 0..1."""
+        return self._area.coverage.unseen_share()
 
     def _check_episode(self, episode: str) -> None:
         if episode and episode != self._episode:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from doro_mapper.core import Mapper
+from doro_mapper.planner_guide import Guide
 from doro_mapper.settings import MapperSettings
 from doro_schemas.messages import (
     DepthFrame,
@@ -10,6 +11,7 @@ from doro_schemas.messages import (
     FrameGraphs,
     GridRequest,
     InstancesRequest,
+    InstructionGraph,
 )
 from doro_schemas.runner import Shell, run_service
 
@@ -17,9 +19,11 @@ from doro_schemas.runner import Shell, run_service
 def wire(shell: Shell, settings: MapperSettings) -> None:
     """Connect the core to its messages."""
     core = Mapper(settings)
-    shell.on(DepthFrame, core.depth_frame)
-    shell.on(FrameGraphs, core.frame_graphs)
-    shell.on(Exploration, core.exploration)
+    guide = Guide(core, settings.planner, settings.max_pending_frames)
+    shell.on(DepthFrame, guide.depth_frame)
+    shell.on(FrameGraphs, guide.frame_graphs)
+    shell.on(Exploration, guide.exploration)
+    shell.on(InstructionGraph, guide.instruction)
     shell.answer(InstancesRequest, core.instances)
     shell.answer(GridRequest, core.grid)
     shell.counters(lambda: core.counters)

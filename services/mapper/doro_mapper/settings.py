@@ -6,6 +6,8 @@ from typing import Literal
 
 import msgspec
 
+from doro_mapper.planner_settings import PlannerSettings
+
 NO_LANDMARKS = (
     "cabinet",
     "drawer",
@@ -48,6 +50,7 @@ class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
         max_near: is-near landmarks listed per instance.
         no_landmarks: classes that no measured relation leads to: too many of a kind in a room,
             too small or too flat to say where something is. Captions may still name them.
+        planner: of the next view, table ``[mapper.planner]``.
     """
 
     finder: Literal["tracks", "grid"] = "tracks"
@@ -69,6 +72,7 @@ class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
     relation_share: float = 0.3
     max_near: int = 3
     no_landmarks: tuple[str, ...] = NO_LANDMARKS
+    planner: PlannerSettings = PlannerSettings()
 
     def __post_init__(self) -> None:
         lengths = (self.cell_m, self.band_m, self.sigma, self.coverage_cell_m, self.max_depth_m)

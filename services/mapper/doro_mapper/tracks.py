@@ -104,6 +104,10 @@ class TrackFinder:
                 out[index] = min(options)[1]
         return out
 
+    def tracks(self) -> list[Track]:
+        """Return the online tracks, family by family."""
+        return [track for _, tracks in sorted(self._families.items()) for track in tracks]
+
     def find(self) -> list[Found]:
         """Return all instances: merged, pruned, and weighed by what was expected."""
         if self._answer is None:
