@@ -143,9 +143,10 @@ def parse(common: Common, caption: bool) -> None:
 @main.command()
 @click.option("--paper-literal", is_flag=True, help="Decide by the paper's formulas as printed.")
 @click.option("--seed", default=0, show_default=True, help="Chooses the wording.")
+@click.option("--wordings", is_flag=True, help="Also give every wording, as a list.")
 @common_options
 @says_refusals
-def decide(common: Common, paper_literal: bool, seed: int) -> None:
+def decide(common: Common, paper_literal: bool, seed: int, wordings: bool) -> None:
     """JSON lines {"id","instruction" or "graph","instances"} -> {"id","state",...}."""
     from doro_console.lines import decide_line, load_nlu, run_lines
 
@@ -153,7 +154,9 @@ def decide(common: Common, paper_literal: bool, seed: int) -> None:
     run_lines(
         sys.stdin,
         sys.stdout,
-        lambda one: decide_line(nlu, one, paper_literal=paper_literal, seed=seed),
+        lambda one: decide_line(
+            nlu, one, paper_literal=paper_literal, seed=seed, wordings=wordings
+        ),
     )
 
 
@@ -207,6 +210,20 @@ def bench_play(json_path: Path | None, paced: int) -> None:
     from doro_console.bench import run_bench_play
 
     run_bench_play(json_path, paced)
+
+
+@bench.command("dialogue")
+@click.option("--json", "json_path", type=click.Path(path_type=Path, dir_okay=False))
+@click.option(
+    "--count", default=100, show_default=True, type=click.IntRange(1, 180), help="Instructions."
+)
+@click.option("--bus/--no-bus", "through_bus", default=True, help="Also through real services.")
+@says_refusals
+def bench_dialogue(json_path: Path | None, count: int, through_bus: bool) -> None:
+    """Decision, question and answer on one thread; instruction to query through the bus."""
+    from doro_console.bench_dialogue import run_bench_dialogue
+
+    run_bench_dialogue(json_path, count, through_bus)
 
 
 for command in (play, record, import_folder, rooms, evaluate, study):

@@ -139,6 +139,27 @@ def _query_of(core: Dialogue, reply: Instances) -> Query:
     return next(one for one in core.instances(reply) if isinstance(one, Query))
 
 
+def instructions(count: int) -> list[str]:
+    """Return different instructions about things of the sample room, no two the same.
+
+    Raises:
+        ValueError: more than there are.
+    """
+    verbs = ("bring me", "fetch", "pick up", "get me", "take", "give me")
+    tails = ("", " on the counter top", " near the sink", " on the table")
+    said = [
+        f"{verb} the {color} {name}{tail}"
+        for tail in tails
+        for name in ("cup", "mug", "bowl", "apple")
+        for color in COLORS
+        for verb in verbs
+    ]
+    if count > len(said):
+        raise ValueError(f"there are {len(said)} instructions, {count} are asked for")
+    step = 77  # prime to their number: neighbours differ in everything
+    return [said[(k * step) % len(said)] for k in range(count)]
+
+
 def decide_message_ms(replies: Sequence[tuple[InstructionGraph, Instances]]) -> list[float]:
     """Return what the dialogue service's core takes from each instruction to its query.
 

@@ -16,6 +16,7 @@ FURNITURE_M = 0.45
 WANTED, OTHER = "#ffc400", "#ffffff"
 NAME_PX, LINE_PX = 17, 19
 HEAD_PX = 14
+SAME_NAME_PX = 90
 
 
 def draw_plan(
@@ -95,10 +96,14 @@ def _names(
 ) -> list[str]:
     """Return the names at the middle of their things, none over another or a letter."""
     taken = [(x, y + 5, HEAD_PX + 2.0) for x, y in (_middle(one, frame) for one in letters)]
+    written: list[tuple[float, str]] = []
     out = []
     for item in items:
         x, y = _middle(item, frame)
         text = name_of(item.object_type)
+        if any(text == b and abs(x - a) < SAME_NAME_PX for a, b in written):
+            continue  # a shelf of many boards is named once
+        written.append((x, text))
         half = len(text) * NAME_PX * 0.28
         x = min(max(x, half + 2), SIDE_PX - half - 2)
         y = max(y + 6, LINE_PX)
