@@ -35,12 +35,14 @@ def parse_record(nlu: Nlu, record: Record, *, caption: bool) -> Record:
     return {**answer, "task": parsed.task, "confidence": round(parsed.confidence, 4)}
 
 
-def decide_line(nlu: Nlu, record: Record, *, paper_literal: bool, seed: int) -> Record:
+def decide_line(
+    nlu: Nlu, record: Record, *, paper_literal: bool, seed: int, wordings: bool = False
+) -> Record:
     """Return the decision of one record; an ``instruction`` is parsed first."""
     record = _with_graph(nlu, record)
     if "graph" not in record and "error" in record:
         return record
-    return decide_record(record, paper_literal=paper_literal, seed=seed)
+    return decide_record(record, paper_literal=paper_literal, seed=seed, wordings=wordings)
 
 
 def answer_line(nlu: Nlu, record: Record, *, seed: int) -> Record:
@@ -59,7 +61,8 @@ def _with_graph(nlu: Nlu, record: Record) -> Record:
     parsed = parse_record(nlu, {"id": name, "text": record["instruction"]}, caption=False)
     if parsed["graph"] is None:
         return {"id": name, "error": parsed["reason"]}
-    return {**record, "graph": parsed["graph"], "task": parsed["task"]}
+    readings = parsed.get("readings", [])
+    return {**record, "graph": parsed["graph"], "readings": readings, "task": parsed["task"]}
 
 
 def load_nlu(overrides: Iterable[str]) -> Nlu:
@@ -76,7 +79,9 @@ def run_lines(source: IO[str], target: IO[str], answer: Callable[[Record], Recor
             if record is not None
             else {"id": None, "error": f"line {number} is no JSON object"}
         )
-        target.write(json.dumps(result, ensure_ascii=False) + "\n")
+        line = json.dumps(result, ensure_ascii=False)
+        # An id may hold half a surrogate pair ("\ud800"), which no file can take as it is.
+        target.write(line.encode("utf-8", "replace").decode() + "\n")
         target.flush()
         count += 1
     return count
