@@ -74,11 +74,25 @@ class Shell:
         except Refused as refused:
             self._bus.reject(str(file.path), refused)
 
-    def on(self, kind: type[M], handler: Callable[[M], list[Output]], *, late: bool = True) -> None:
-        """Give every message of a type to a handler; see :meth:`Bus.subscribe` for ``late``."""
+    def on(
+        self,
+        kind: type[M],
+        handler: Callable[[M], list[Output]],
+        *,
+        late: bool = True,
+        by_one: bool = False,
+    ) -> None:
+        """Give every message of a type to a handler; see :meth:`Bus.subscribe` for ``late``.
+
+        Args:
+            by_one: several processes of the service may run; one of them handles the message.
+        """
         topic = topic_of(kind)
         self._bus.subscribe(
-            topic, lambda message: self._timed(topic.name, handler, message), late=late
+            topic,
+            lambda message: self._timed(topic.name, handler, message),
+            late=late,
+            by_one=by_one,
         )
 
     def answer(self, kind: type[M], handler: Callable[[M], Message]) -> None:

@@ -62,7 +62,7 @@ class Topic(msgspec.Struct, frozen=True):
 
     Attributes:
         name: short name, for programs ("instruction").
-        key: key expression; ``{camera}`` and ``{service}`` are filled in.
+        key: key expression; ``{camera}``, ``{service}`` and ``{replica}`` are filled in.
         messages: types that travel on it; for a queryable, (request, reply).
         kind, delivery: how it travels.
         sender, receiver: who, for people.
@@ -85,13 +85,14 @@ class Topic(msgspec.Struct, frozen=True):
     @property
     def pattern(self) -> str:
         """The key expression that matches the topic for every camera and service."""
-        return self.key.replace("{camera}", "*").replace("{service}", "*")
+        return self.key_for(camera="*", service="*", replica="*")
 
-    def key_for(self, *, camera: str = "", service: str = "") -> str:
+    def key_for(self, *, camera: str = "", service: str = "", replica: str = "") -> str:
         """Return the concrete key."""
         if "{" not in self.key:
             return self.key
-        return self.key.replace("{camera}", camera).replace("{service}", service)
+        key = self.key.replace("{camera}", camera).replace("{service}", service)
+        return key.replace("{replica}", replica)
 
 
 TABLE: tuple[Topic, ...] = (
@@ -133,6 +134,8 @@ TABLE: tuple[Topic, ...] = (
           "anyone", "nlu", kind="queryable", plain_text=True),
     Topic("alive", "doro/{service}/alive", (), Delivery.TOKEN,
           "every service", "operator", kind="liveliness"),
+    Topic("replica", "doro/{service}/replica/{replica}", (), Delivery.TOKEN,
+          "a service with replicas", "its replicas", kind="liveliness"),
     Topic("health", "doro/{service}/health", (m.Health,), Delivery.LATEST,
           "every service", "operator"),
     Topic("rejected", "doro/rejected", (m.Rejected,), Delivery.EVERY,

@@ -143,7 +143,8 @@ class RecordingShell:
         self.handlers: dict[type, object] = {}
         self.read_counters = dict
 
-    def on(self, kind: type, handler: object) -> None:
+    def on(self, kind: type, handler: object, *, by_one: bool) -> None:
+        assert by_one
         self.handlers[kind] = handler
 
     def answer(self, kind: type, handler: object) -> None:

@@ -18,6 +18,7 @@ from doro_schemas import codec
 from doro_schemas.bus.config import BusSettings
 from doro_schemas.bus.inbox import Inbox, Lane
 from doro_schemas.bus.links import Publisher, declare_publisher, declare_subscriber, zenoh_encoding
+from doro_schemas.bus.replicas import Replicas
 from doro_schemas.bus.router import open_session
 from doro_schemas.bus.samples import RawSample, Request, decode_request, decode_sample
 from doro_schemas.bus.shared import SharedBuffers
@@ -49,6 +50,7 @@ class Bus:
         self._publishers: dict[tuple[str, bool], Publisher] = {}
         self._declared: list[Any] = []
         self._stopping = threading.Event()
+        self._replicas: Replicas | None = None
         self._shared = SharedBuffers(self.settings.shared_memory_mb << 20)
 
     def __enter__(self) -> Self:
@@ -127,16 +129,29 @@ class Bus:
         return self._publishers[name]
 
     def subscribe(
-        self, topic: Topic, handler: Callable[[Message], None], *, late: bool = True
+        self,
+        topic: Topic,
+        handler: Callable[[Message], None],
+        *,
+        late: bool = True,
+        by_one: bool = False,
     ) -> None:
         """Receive a topic's validated messages.
 
         Args:
             handler: called on the bus's thread; may raise Refused.
             late: take the past samples that the table grants to late joiners.
+            by_one: only the leading replica of the service handles them (see :class:`Replicas`);
+                the others count them as ``standby``.
         """
+        if by_one and self._replicas is None:
+            self._replicas = Replicas(self.session, self.name)
+            self._declared.append(self._replicas)
 
         def handle(sample: zenoh.Sample) -> None:
+            if by_one and self._replicas is not None and not self._replicas.leads:
+                self.counters[f"standby.{topic.name}"] += 1
+                return
             payload = sample.payload.to_bytes()
             self.counters[f"received.{topic.name}"] += 1
             try:

@@ -9,10 +9,14 @@ from doro_schemas.runner import Shell, run_service
 
 
 def wire(shell: Shell, settings: NluSettings) -> None:
-    """Load and warm up the tagger, then subscribe."""
+    """Load and warm up the tagger, then subscribe.
+
+    Of several processes one takes the streams, so that a text gives one graph; all of them
+    answer the parser's queryable.
+    """
     core = Nlu(settings)
-    shell.on(Instruction, core.instruction)
-    shell.on(FrameCaptions, core.captions)
+    shell.on(Instruction, core.instruction, by_one=True)
+    shell.on(FrameCaptions, core.captions, by_one=True)
     shell.answer(ParseRequest, core.parse)
     shell.counters(lambda: core.counters)
 
