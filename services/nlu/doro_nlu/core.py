@@ -136,6 +136,7 @@ class Nlu:
                 f"the text has {len(text)} characters, at most {MAX_TEXT_CHARS} are taken:"
                 " say it in a sentence"
             )
+        text = text.encode("utf-8", "replace").decode()  # lone surrogates fit on no wire
         understood = (self._cached if caption else self._understand)([text])[0]
         tagged, result = understood.tagged, understood.parse
         if result.second and not caption:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import unicodedata
 from collections.abc import Callable, Sequence
 
-from doro_nlu.reasons import LANGUAGE, NO_WORD, Reason
+from doro_nlu.reasons import LANGUAGE, NO_WORD, Reason, plain
 
 
 def _words(text: str) -> frozenset[str]:
@@ -55,15 +55,14 @@ def not_english(tokens: Sequence[str], knows: Callable[[str], bool]) -> Reason |
     Unknown names are fine ("bring the flibber"), a lone unknown word as well.
     """
     words = [token.lower() for token in tokens if token[0].isalpha()]
-    shown = " ".join(tokens)[:60]
+    shown = plain(" ".join(tokens))
     if not words:
-        return Reason(
-            NO_WORD, f"no word was found in '{shown}': say in English what to fetch or find"
-        )
+        what = f"no word was found in '{shown}'" if shown else "the text is empty"
+        return Reason(NO_WORD, f"{what}: say in English what to fetch or find")
     for word in words:
         if not all(_is_latin(char) for char in word if char.isalpha()):
             return Reason(
-                LANGUAGE, f"'{word[:40]}' is not written in Latin letters: say it in English"
+                LANGUAGE, f"'{plain(word[:40])}' is not written in Latin letters: say it in English"
             )
     english = sum(word in _ENGLISH for word in words)
     foreign = sum(word in _FOREIGN and word not in _BOTH for word in words)

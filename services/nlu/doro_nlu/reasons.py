@@ -15,6 +15,7 @@ TWO_TARGETS = "two_targets"
 UNSURE = "unsure"
 KINDS = (NO_WORD, LANGUAGE, NO_OBJECT, NAVIGATION, TWO_TARGETS, UNSURE)
 _LONGEST_SHOWN = 80
+_LONGEST_TEXT = 400
 
 
 class Reason(NamedTuple):
@@ -24,10 +25,10 @@ class Reason(NamedTuple):
     text: str
 
 
-def shown(text: str) -> str:
+def plain(text: str) -> str:
     """Return a text for a sentence: on one line, printable, shortened."""
-    plain = " ".join("".join(c if c.isprintable() else " " for c in text).split())
-    return plain if len(plain) <= _LONGEST_SHOWN else plain[: _LONGEST_SHOWN - 3] + "..."
+    line = " ".join("".join(c if c.isprintable() else " " for c in text[:_LONGEST_TEXT]).split())
+    return line if len(line) <= _LONGEST_SHOWN else line[: _LONGEST_SHOWN - 3] + "..."
 
 
 def no_object(words: Sequence[str], text: str) -> Reason:
@@ -36,7 +37,7 @@ def no_object(words: Sequence[str], text: str) -> Reason:
     Args:
         words: its tokens in lower case.
     """
-    quoted = shown(text)
+    quoted = plain(text)
     if _moves(words):
         return Reason(
             NAVIGATION, f"only a place to go to was named in '{quoted}': say what to fetch or find"
@@ -63,7 +64,7 @@ def two_targets(first: str, second: str) -> Reason:
     """Return the reason for an instruction with two objects: one is fetched at a time."""
     return Reason(
         TWO_TARGETS,
-        f"two targets were named, '{first}' and '{shown(second)}': ask for one at a time",
+        f"two targets were named, '{plain(first)}' and '{plain(second)}': ask for one at a time",
     )
 
 
@@ -71,5 +72,6 @@ def unsure(name: str, text: str) -> Reason:
     """Return the reason for an object that the tagger is not sure of."""
     return Reason(
         UNSURE,
-        f"it is not clear what is meant by '{name}' in '{shown(text)}': say it in other words",
+        f"it is not clear what is meant by '{plain(name)}' in '{plain(text)}':"
+        " say it in other words",
     )
