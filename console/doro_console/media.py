@@ -40,6 +40,14 @@ if TYPE_CHECKING:
     multiple=True,
     help="Recording of another room, from which false positives are pasted.",
 )
+@click.option(
+    "--order",
+    type=click.Choice(["recorded", "planned"]),
+    default="recorded",
+    show_default=True,
+    help="planned: the views that the mapper's goals ask for, until it is done.",
+)
+@click.option("--views", default="", help="planned: so many views at most, 60 or 33%.")
 @click.option("--wait", "wait_s", default=10.0, show_default=True, help="Seconds for services.")
 @common_options
 @says_refusals
@@ -81,6 +89,8 @@ def _play_settings(options: dict[str, Any]) -> PlaySettings:
         repair=options["repair"],
         errors=ErrorModels(errors=parse_errors(options["errors"]), seed=options["error_seed"]),
         pool=pool_from_recordings(options["fp_rooms"]) if options["fp_rooms"] else None,
+        order=options["order"],
+        views=options["views"],
     )
 
 

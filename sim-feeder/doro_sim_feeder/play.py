@@ -9,16 +9,18 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from typing import Literal
 
 import msgspec
 
 from doro_schemas.bus import Bus
 from doro_schemas.detector_errors import ErrorModels, FalsePositivePool
 from doro_schemas.errors import Refused
-from doro_schemas.messages import GridDelta, Rejected
+from doro_schemas.messages import ExplorationGoal, GridDelta, Rejected
 from doro_schemas.messages.base import Message
 from doro_schemas.topics import TOPICS
 from doro_sim_feeder.disturb import disturbed
+from doro_sim_feeder.planned import Tour, tours, view_count
 from doro_sim_feeder.recording import Recording
 from doro_sim_feeder.steps import Cut, Step, checked_steps
 
@@ -34,6 +36,8 @@ class PlaySettings(msgspec.Struct, frozen=True, kw_only=True):
         repair: play a recording with problems as far as it can be put right.
         errors: detector errors to put into the simulator's detections.
         pool: where false positives are pasted from; needed for them only.
+        order: ``recorded``, or ``planned``: the views that the mapper's goals ask for.
+        views: planned: how many at most, a number or a share ("33%"); "": until done.
     """
 
     speed: float = 0.0
@@ -43,6 +47,14 @@ class PlaySettings(msgspec.Struct, frozen=True, kw_only=True):
     repair: bool = False
     errors: ErrorModels = ErrorModels()
     pool: FalsePositivePool | None = None
+    order: Literal["recorded", "planned"] = "recorded"
+    views: str = ""
+
+    def __post_init__(self) -> None:
+        if self.order == "planned" and self.speed > 0:
+            raise Refused("--order planned goes at the map's pace: leave out --speed")
+        if self.order == "recorded" and self.views:
+            raise Refused("--views is for --order planned; use --from and --to to cut")
 
 
 class PlayReport(msgspec.Struct, kw_only=True):
@@ -50,6 +62,8 @@ class PlayReport(msgspec.Struct, kw_only=True):
 
     Attributes:
         pacing_p95_ms: how late a step was sent, 95th percentile; -1 where not by the clock.
+        goals: planned: goals that came.
+        done: planned: the mapper said that no view left promises enough.
     """
 
     episode: str = ""
@@ -59,6 +73,8 @@ class PlayReport(msgspec.Struct, kw_only=True):
     lost: int = 0
     elapsed_s: float = 0.0
     pacing_p95_ms: float = -1.0
+    goals: int = 0
+    done: bool = False
 
 
 class Player:
@@ -82,8 +98,11 @@ class Player:
         self._episode = ""
         self._reset_seen = False
         self._report = PlayReport()
+        self._goal: ExplorationGoal | None = None
+        self._merged: set[tuple[str, int]] = set()
         bus.subscribe(TOPICS["grid_delta"], self._on_delta, late=False)
         bus.subscribe(TOPICS["rejected"], self._on_rejected, late=False)
+        bus.subscribe(TOPICS["goal"], self._on_goal, late=False)
 
     def play(self, recording: Recording) -> PlayReport:
         """Play a recording to its end.
@@ -97,7 +116,11 @@ class Player:
         first_stamp_ns: int | None = None
         late_ms: list[float] = []
         given = checked_steps(recording, self._settings.cut, repair=self._settings.repair)
-        for step in disturbed(given, self._settings.errors, self._settings.pool):
+        given = disturbed(given, self._settings.errors, self._settings.pool)
+        planned = self._settings.order == "planned"
+        for tour in tours(given) if planned else ():
+            self._play_tour(tour)
+        for step in () if planned else given:
             if self._bus.stopping:
                 break
             if self._settings.speed > 0:
@@ -113,6 +136,44 @@ class Player:
             self._report.pacing_p95_ms = sorted(late_ms)[int(len(late_ms) * 0.95)]
         self._report.elapsed_s = time.monotonic() - begun_s
         return self._report
+
+    def _play_tour(self, tour: Tour) -> None:
+        """Play an episode view by view, each the one left that is nearest to the goal."""
+        most = view_count(self._settings.views, len(tour.frames))
+        self._goal = None
+        self._play_step(tour.start())
+        sent, step = 0, tour.next(None)
+        while step is not None and not self._bus.stopping:
+            self._play_step(step)
+            self._drain(0)
+            sent += 1
+            goal = self._goal_after(step)
+            done = goal is not None and goal.done
+            self._report.done = done
+            if done or sent == most:
+                break
+            step = tour.next(None if goal is None else goal.view)
+        self._play_step(tour.finish(sent))
+
+    def _goal_after(self, step: Step) -> ExplorationGoal | None:
+        """Wait for the goal that answers a merged frame; return the last where none comes.
+
+        Raises:
+            Refused: the mapper sends no goals at all.
+        """
+        name, wait_s = (step.camera, step.frame), self._settings.ack_timeout_s
+        if name not in self._merged:
+            return self._goal
+
+        def came() -> bool:
+            return self._goal is not None and (self._goal.camera, self._goal.frame) == name
+
+        if not self._bus.run_until(time.monotonic() + wait_s, came) and self._goal is None:
+            raise Refused(
+                f"no goal came within {wait_s:g} s of frame {step.frame}: this mapper does not"
+                " plan views, play without --order planned"
+            )
+        return self._goal
 
     def _play_step(self, step: Step) -> None:
         if step.kind == "started":
@@ -166,6 +227,12 @@ class Player:
             self._reset_seen = True
         elif self._under_way.pop((message.camera, message.frame), None) is not None:
             self._report.merged += 1
+            self._merged = {(message.camera, message.frame)}
+
+    def _on_goal(self, message: Message) -> None:
+        if isinstance(message, ExplorationGoal) and message.episode == self._episode:
+            self._goal = message
+            self._report.goals += 1
 
     def _on_rejected(self, message: Message) -> None:
         """A refused frame will never be merged: do not wait for it."""
