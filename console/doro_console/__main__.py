@@ -217,13 +217,14 @@ def bench_play(json_path: Path | None, paced: int) -> None:
 @click.option(
     "--count", default=100, show_default=True, type=click.IntRange(1, 180), help="Instructions."
 )
+@click.option("--scenes", default=300, show_default=True, type=click.IntRange(8))
 @click.option("--bus/--no-bus", "through_bus", default=True, help="Also through real services.")
 @says_refusals
-def bench_dialogue(json_path: Path | None, count: int, through_bus: bool) -> None:
+def bench_dialogue(json_path: Path | None, count: int, scenes: int, through_bus: bool) -> None:
     """Decision, question and answer on one thread; instruction to query through the bus."""
     from doro_console.bench_dialogue import run_bench_dialogue
 
-    run_bench_dialogue(json_path, count, through_bus)
+    run_bench_dialogue(json_path, count, scenes, through_bus)
 
 
 for command in (play, record, import_folder, rooms, evaluate, study):

@@ -42,13 +42,13 @@ STOP_S = 20.0
 AFTER_HEALTH_S = 5.0
 
 
-def run_bench_dialogue(json_path: Path | None, count: int, through_bus: bool) -> None:
+def run_bench_dialogue(json_path: Path | None, count: int, scenes: int, through_bus: bool) -> None:
     """Measure, print a table, and write the figures as flat JSON where asked."""
-    figures = run_core_bench()
+    figures = run_core_bench(scenes)
     if through_bus:
         figures |= bench_bus(count)
     Console().print(_table(figures))
-    write_figures(json_path, figures, f"doro bench dialogue --count {count}")
+    write_figures(json_path, figures, f"doro bench dialogue --count {count} --scenes {scenes}")
 
 
 def bench_bus(count: int) -> dict[str, Figure]:

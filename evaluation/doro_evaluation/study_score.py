@@ -103,9 +103,7 @@ def read_all(paths: Sequence[Path], study: Study) -> tuple[list[Answers], list[s
             problems.append(refused.reason)
             continue
         if any(other.participant == one.participant for other in good):
-            problems.append(
-                f"{path}: participant '{one.participant}' is there already, not counted"
-            )
+            problems.append(f"{path}: the answers of '{one.participant}' are there already")
             continue
         good.append(one)
     return good, problems
