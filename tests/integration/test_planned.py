@@ -21,10 +21,12 @@ def test_planned_play_follows_goals_and_stops_where_told() -> None:
         chain.bus.subscribe(TOPICS["goal"], heard, late=False)
         first = chain.play(settings=settings)
         digest = chain.digest()
+        assert chain.wait(lambda: len(goals) == 18, 10.0)
         order = [goal.frame for goal in goals]
         goals.clear()
         second = chain.play(settings=settings)
         assert chain.digest() == digest
+        assert chain.wait(lambda: len(goals) == 18, 10.0)
     assert (first.frames, first.merged, first.lost) == (18, 18, 0)
     assert len(order) == second.goals == 18
     assert [goal.frame for goal in goals] == order  # the same goals, so the same views
