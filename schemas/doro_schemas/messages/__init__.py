@@ -28,6 +28,7 @@ from doro_schemas.messages.map import (
     InstancesRequest,
 )
 from doro_schemas.messages.perception import (
+    AttributeShares,
     CaptionedBox,
     ClassProbability,
     FrameCaptions,
@@ -36,11 +37,13 @@ from doro_schemas.messages.perception import (
     SimDetection,
     SimDetections,
     SimRelation,
+    UnnamedRegion,
 )
 from doro_schemas.messages.talk import Answer, Belief, Clause, Query, Target
 
 __all__ = [
     "Answer",
+    "AttributeShares",
     "Belief",
     "CaptionedBox",
     "ClassProbability",
@@ -75,4 +78,5 @@ __all__ = [
     "SimRelation",
     "StageTiming",
     "Target",
+    "UnnamedRegion",
 ]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import msgspec
 
 from doro_schemas.graph import ObjectGraph
@@ -75,19 +77,55 @@ class CaptionedBox(msgspec.Struct, frozen=True):
             raise ValueError("a detection needs a caption or a graph, and this one has neither")
 
 
+class AttributeShares(msgspec.Struct, frozen=True):
+    """Distributions of the attributes of one detection, top-k, best first.
+
+    What the caption or the graph says of them is what the detector is sure enough of.
+    """
+
+    colors: list[ClassProbability] = []
+    materials: list[ClassProbability] = []
+
+
+class UnnamedRegion(msgspec.Struct, frozen=True):
+    """Something is there, and the detector cannot name it.
+
+    Attributes:
+        box_px: ``[xmin, ymin, xmax, ymax]``, edges, inside the image.
+        score: how sure the detector is that a thing is there, 0..1.
+    """
+
+    box_px: list[float]
+    score: float
+
+    def __post_init__(self) -> None:
+        check_probability(self.score, "a region's score")
+
+
 class FrameCaptions(FrameMessage, kw_only=True):
     """All detections of a frame. A frame without detections is sent with an empty list.
 
     Attributes:
         timing_us: time of each stage of the detector, microseconds, for the operator.
+        unnamed: things without a name; they are no instances of anything and not counted, but
+            "there is no cup" and "there is something that I cannot name" differ.
+        shares: attribute distributions of the detections in their order, or empty.
     """
+
+    ADDED: ClassVar[dict[str, object]] = {"unnamed": [], "shares": []}
 
     detections: list[CaptionedBox] = []
     timing_us: dict[str, float] = {}
+    unnamed: list[UnnamedRegion] = []
+    shares: list[AttributeShares] = []
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for detection in self.detections:
+        if self.shares and len(self.shares) != len(self.detections):
+            raise ValueError(
+                f"shares are of {len(self.shares)} detections, and there are {len(self.detections)}"
+            )
+        for detection in [*self.detections, *self.unnamed]:
             check_box(detection.box_px, self.height_px, self.width_px)
 
 
