@@ -125,8 +125,9 @@ class FrameCaptions(FrameMessage, kw_only=True):
             raise ValueError(
                 f"shares are of {len(self.shares)} detections, and there are {len(self.detections)}"
             )
-        for detection in [*self.detections, *self.unnamed]:
-            check_box(detection.box_px, self.height_px, self.width_px)
+        boxes = [item.box_px for item in self.detections] + [item.box_px for item in self.unnamed]
+        for box_px in boxes:
+            check_box(box_px, self.height_px, self.width_px)
 
 
 class GraphBox(msgspec.Struct, frozen=True):
