@@ -11,6 +11,7 @@ import msgspec
 from rich.console import Console
 
 from doro_console.evaluate import evaluate
+from doro_console.hosts import hosts
 from doro_console.media import import_folder, play, record
 from doro_console.options import Common, common_options, says_refusals, talk
 from doro_console.rooms import rooms
@@ -227,7 +228,7 @@ def bench_dialogue(json_path: Path | None, count: int, scenes: int, through_bus:
     run_bench_dialogue(json_path, count, scenes, through_bus)
 
 
-for command in (play, record, import_folder, rooms, evaluate, study):
+for command in (play, record, import_folder, rooms, hosts, evaluate, study):
     main.add_command(command)
 rooms.add_command(sheet)
 

@@ -142,6 +142,8 @@ TABLE: tuple[Topic, ...] = (
           "every service", "operator"),
 )  # fmt: skip
 
+EVERYTHING = "doro/**"
+"""Matches every key of the table, for access control and recorders."""
 TOPICS: dict[str, Topic] = {topic.name: topic for topic in TABLE}
 _BY_TYPE: dict[type[Message], Topic] = {kind: topic for topic in TABLE for kind in topic.messages}
 TYPES: dict[str, type[Message]] = {kind.__name__: kind for kind in _BY_TYPE}

@@ -24,6 +24,7 @@ class BusSettings(msgspec.Struct, frozen=True, kw_only=True):
         router_config: the same for the router.
         shared_memory_mb: large messages between processes of one host go through a pool of
             shared memory of this size, one per publishing process; 0 turns it off.
+        insecure: let the router listen beyond this host without TLS and access control.
         open_timeout_s: how long a service waits for the router at its start.
         ask_timeout_s: how long a query waits for its reply.
         health_period_s: how often health is published.
@@ -34,6 +35,7 @@ class BusSettings(msgspec.Struct, frozen=True, kw_only=True):
     config: str = ""
     router_config: str = ""
     shared_memory_mb: int = 64
+    insecure: bool = False
     open_timeout_s: float = 30.0
     ask_timeout_s: float = 5.0
     health_period_s: float = 1.0
