@@ -23,19 +23,25 @@ PROPERTIES = words(
 DESCRIBING = COLORS | MATERIALS | PROPERTIES | words("and very really")
 
 FILLER = re.compile(
-    r"\b(?:please|i think|i guess|i believe|i suppose|uh+|um+|er+m?|hmm+|well"
+    r"\b(?:please|plz|pls|i think|i guess|i believe|i suppose|uh+|um+|er+m?|hmm+|well"
     r"|(?<!no )(?<!no, )thanks(?: a lot)?"
     r"|thank you|i would like|i'd like|maybe|probably|perhaps|just|robot|hey)\b"
     r"|\b(?:that |which )?you (?:just )?(?:said|mentioned|named|listed|described)\b"
 )
 CANCEL = re.compile(
-    r"^(?:no,? |oh,? |ok,? |okay,? )*(?:never ?mind|forget(?: about)?(?: it| that)?"
+    r"^(?:no,? |oh,? |ok,? |okay,? |actually,? |sorry,? |wait,? )*"
+    r"(?:never ?mind|forget(?: about)?(?: it| that)?"
     r"|(?:please )?(?:stop|halt|abort|cancel)(?: it| that)?"
     r"|leave it(?: alone| be)?|drop it|do not bother|don't bother|no thanks|nothing"
     r"|not any ?more|i changed my mind|i have changed my mind|i've changed my mind"
     r"|it does not matter any ?more|it doesn't matter any ?more"
     r"|i do not (?:want|need) (?:it|any of them|anything)(?: any ?more)?"
     r"|i don't (?:want|need) (?:it|any of them|anything)(?: any ?more)?)(?=$|[ ,])"
+)
+REPEAT = re.compile(
+    r"^(?:what|huh|pardon(?: me)?|sorry|excuse me|come again|again|repeat(?: that| it)?"
+    r"|(?:can|could) you (?:repeat|say) (?:that|it)(?: again)?|say (?:that|it) again"
+    r"|what did you say|i did not (?:hear|get) (?:that|you)|i didn't (?:hear|get) (?:that|you))$"
 )
 UNSURE = re.compile(
     r"\b(?:not sure|do not know|don't know|no idea|can't tell|cannot tell|what do you mean"
@@ -76,7 +82,7 @@ LEADING_YES = re.compile(
 ANY = re.compile(
     r"^either(?: one| of (?:them|these|those|the two))?(?: (?:is|are|will be|would be|works|would)"
     r"\b.*)?$"
-    r"|\b(?:any(?: one)?(?: of (?:them|these|those))?|anyone|whichever(?: one)?(?: you (?:like|want"
+    r"|\b(?:any(?: one)?(?: of (?:them|these|those))?|anyone|(?:whichever|whatever)(?: one)?(?: you (?:like|want"
     r"|prefer))?|does not matter(?: which(?: one)?)?|doesn't matter(?: which(?: one)?)?"
     r"|i do not (?:mind|care)(?: which(?: one)?)?|i don't (?:mind|care)(?: which(?: one)?)?"
     r"|(?:it's |it is )?(?:up to you|your choice)|you (?:choose|pick|decide)|no preference"
@@ -144,6 +150,7 @@ PREPOSITION = re.compile(
 )
 UNCLEAR = re.compile(
     r"\b(?!forest|west|rest|chest|guest|vest|nest|nearest to|closest to)\w{2,}est\b(?! to)"
+    r"|\b(?:clos|near|far|bigg|small|larg|tall|short|old|new|clean|light|dark|heavi|nic)er\b.*"
     r"|\b\w+ than\b.*|\b(?:more|less|most|least)\b|\b(?:far|farther|further|away) from\b.*"
     r"|\bmine\b|\byours\b|\b(?!it|that|what|there|let|he|she)\w+'s\b|\bbetween\b.*"
     r"|\b(?:first|last) (?:two|three|four|five|few|ones)\b|\b(?:that |which )?you (?:saw|found)\b.*"

@@ -34,13 +34,18 @@ from doro_dialogue.act_words import (
     OTHER,
     PLACE_PHRASE,
     PREPOSITION,
+    REPEAT,
     SEARCH,
     SIDE,
     UNCLEAR,
     UNSURE,
 )
+from doro_dialogue.facts import words
+from doro_dialogue.mend import mended
 
-Act = Literal["describe", "cancel", "search", "none", "any", "all", "yes", "no", "unclear"]
+Act = Literal[
+    "describe", "cancel", "search", "none", "any", "all", "yes", "no", "repeat", "unclear"
+]
 LISTED = DESCRIBING | {"the", "one", "ones"}
 MAX_PHRASES = 8
 """More is no answer to a question, and each would be a request to the parser."""
@@ -93,9 +98,13 @@ class Heard(msgspec.Struct, frozen=True):
         return [one.text for phrases in self.alternatives for one in phrases if one.text]
 
 
-def hear(text: str, name: str) -> Heard:
-    """Return the act of an answer to a question about things called ``name``."""
-    said = _normal(text)
+def hear(text: str, name: str, known: frozenset[str] = frozenset()) -> Heard:
+    """Return the act of an answer to a question about things called ``name``.
+
+    Args:
+        known: words that were observed; slips towards them are repaired.
+    """
+    said = _normal(mended(text.lower(), known | words(name)))
     if found := CANCEL.search(said):
         rest = said[found.end() :].strip(" ,.")
         if not rest:
@@ -115,6 +124,8 @@ def hear(text: str, name: str) -> Heard:
 
 def _whole(said: str, name: str) -> Heard | None:
     """Return the act of an answer that says one thing as a whole."""
+    if REPEAT.search(said):
+        return Heard("repeat")
     if UNSURE.search(said):
         return Heard("unclear")
     if SEARCH.search(said):
@@ -127,6 +138,7 @@ def _normal(text: str) -> str:
     said = re.sub(r"[!?;:\"()]", " , ", said)
     said = re.sub(r"\.(?!\d)", " , ", said)
     said = FILLER.sub(" ", said)
+    said = re.sub(r"\b(\w+)(?: \1\b)+", r"\1", said)
     return re.sub(r"\s+", " ", re.sub(r"(\s*,)+\s*", ", ", said)).strip(" ,")
 
 

@@ -77,12 +77,12 @@ def _answer(record: _Record, parse: Parse, seed: int) -> dict[str, Any]:
     read = decide_readings(record.all_readings(), candidates, decide)
     asked = read.split if read.split and _asks_for_reading(record, read.split) else None
     scene = _scene(record, read.decision, candidates, reading=asked is not None)
+    words = frozenset(observed_words([one.graph for one in candidates]))
     if asked is not None:
-        words = observed_words([one.graph for one in candidates])
         chosen = choose(asked, record.answer, words)
         if chosen is not None:
             return _result(record, *_read_as(asked, chosen, scene, manner))
-    heard = hear(record.answer, name_of(record.graph.name))
+    heard = hear(record.answer, name_of(record.graph.name), words)
     outcome = resolve(scene, heard, {text: parse(text) for text in heard.texts})
     if outcome.replaced is not None:
         return _result(record, *decide_anew([outcome.replaced], candidates, manner))

@@ -10,7 +10,7 @@ import msgspec
 from doro_dialogue.act_words import DESCRIBING, ORDINAL, ORDINALS, PREPOSITION
 from doro_dialogue.facts import words
 from doro_dialogue.question import Part, Question, compose
-from doro_dialogue.readings import Holder, Read, Split, reading_both
+from doro_dialogue.readings import Holder, Read, Split, without_open
 from doro_dialogue.surface import is_plural
 from doro_schemas.graph import ObjectGraph
 
@@ -72,7 +72,7 @@ def compose_split(split: Split) -> Question:
     )
 
 
-def choose(split: Split, text: str, known: set[str]) -> Chosen | None:
+def choose(split: Split, text: str, known: frozenset[str]) -> Chosen | None:
     """Return what an answer chooses; None if it says nothing about the readings.
 
     A person repeats the one they mean ("the table", "the table is near the sink"), excludes
@@ -89,7 +89,7 @@ def choose(split: Split, text: str, known: set[str]) -> Chosen | None:
         return AGAIN
     own = " ".join([split.words, *(one.text for one in split.holders)]).split(" ")
     rest = [word for word in said.split(" ") if word not in COMMON and word not in own]
-    if NEITHER.search(said) or any(word in DESCRIBING or word in known for word in rest):
+    if any(word in DESCRIBING or word in known for word in rest):
         return None
     named, excluded = _mentioned(split, said)
     if not named and not excluded:
@@ -101,10 +101,10 @@ def choose(split: Split, text: str, known: set[str]) -> Chosen | None:
 
 
 def _unnamed(split: Split, said: str) -> Chosen | None:
-    """Return what is chosen without a name: both of two, or that it does not matter."""
-    if BOTH.search(said):
-        return Chosen("reading", [reading_both(split)])
-    return Chosen("any") if ANY.search(said) else None
+    """Return what is chosen without a name: neither, or that both are so or it is all one."""
+    if NEITHER.search(said):
+        return Chosen("reading", [without_open(split)])
+    return Chosen("any") if BOTH.search(said) or ANY.search(said) else None
 
 
 def _mentioned(split: Split, said: str) -> tuple[list[Holder], list[Holder]]:

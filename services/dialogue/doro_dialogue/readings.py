@@ -93,13 +93,9 @@ def decide_readings(
     return Read(_over_all(graphs[kept[0]], [decisions[i] for i in kept]), split)
 
 
-def reading_both(split: Split) -> ObjectGraph:
-    """Return the sentence with the open words said of every holder."""
-    first, *rest = (holder.readings[0] for holder in split.holders)
-    graph = first
-    for other in rest:
-        graph = _merged(graph, other)
-    return graph
+def without_open(split: Split) -> ObjectGraph:
+    """Return the sentence without the open words, which belong to neither."""
+    return _dropped(split.holders[0].readings[0], split.fact)
 
 
 def _speaking(decisions: Sequence[Decision]) -> list[int]:
@@ -228,18 +224,11 @@ def _bare(relation: Relation) -> Relation:
     return msgspec.structs.replace(relation, target=_without_relations(relation.target))
 
 
-def _merged(a: ObjectGraph, b: ObjectGraph) -> ObjectGraph:
-    """Return the graph with the facts of both; landmarks of one type and name are one."""
-    relations = list(a.relations)
-    for relation in b.relations:
-        at = next((i for i, one in enumerate(relations) if _same_landmark(one, relation)), None)
-        if at is None:
-            relations.append(relation)
-        else:
-            target = _merged(relations[at].target, relation.target)
-            relations[at] = msgspec.structs.replace(relations[at], target=target)
-    return ObjectGraph(a.name, {**b.attributes, **a.attributes}, relations)
-
-
-def _same_landmark(a: Relation, b: Relation) -> bool:
-    return (a.type, a.target.name) == (b.type, b.target.name)
+def _dropped(graph: ObjectGraph, fact: Fact) -> ObjectGraph:
+    own = {k: v for k, v in graph.attributes.items() if Attribute(k, v) != fact}
+    relations = [
+        msgspec.structs.replace(one, target=_dropped(one.target, fact))
+        for one in graph.relations
+        if one != fact
+    ]
+    return ObjectGraph(graph.name, own, relations)

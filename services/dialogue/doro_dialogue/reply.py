@@ -113,10 +113,10 @@ def _again(scene: Scene, outcome: Outcome, manner: Manner) -> Said:
     ids = outcome.about or scene.ids
     if len(ids) == 1 and outcome.about:
         return _offer(scene, ids[0], outcome.graph, manner)
-    note = "" if 0 < len(outcome.about) < len(scene.ids) else SORRY
+    note = "" if outcome.repeat or 0 < len(outcome.about) < len(scene.ids) else SORRY
     if len(ids) < 2:
         parts = [Part(one.instance_ids, one.text, one.graph) for one in scene.groups]
-        text = SORRY + scene.text.removeprefix(SORRY)
+        text = note + scene.text.removeprefix(SORRY)
         return Said(text, parts, scene.state, "ask_again")
     said = _which(scene, ids, manner)
     return msgspec.structs.replace(said, text=note + said.text)

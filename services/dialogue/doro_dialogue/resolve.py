@@ -33,6 +33,7 @@ class Outcome(msgspec.Struct, frozen=True):
         about: the instances to ask about again; empty: the same question.
         graph: what was described, where one description decided.
         replaced: another object is wanted: to be decided anew.
+        repeat: the person wants to hear it again.
     """
 
     action: Action
@@ -40,6 +41,7 @@ class Outcome(msgspec.Struct, frozen=True):
     about: list[str] = []
     graph: ObjectGraph | None = None
     replaced: ObjectGraph | None = None
+    repeat: bool = False
 
 
 ASK = Outcome("ask_again")
@@ -61,6 +63,7 @@ def resolve(scene: Scene, heard: Heard, graphs: Graphs) -> Outcome:
         "none": lambda: _declined(scene),
         "yes": lambda: _yes_or_no(scene, "yes"),
         "no": lambda: _yes_or_no(scene, "no"),
+        "repeat": lambda: Outcome("ask_again", repeat=True),
     }
     return acts[heard.act]() if heard.act in acts else ASK
 

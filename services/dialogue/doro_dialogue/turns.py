@@ -76,7 +76,7 @@ class Turns:
         self._counters["answers"] += 1
         if (chosen := self._chosen(talk, message.text)) is not None:
             return self._read_as(talk, message, chosen)
-        heard = hear(message.text, name_of(talk.graph.name))
+        heard = hear(message.text, name_of(talk.graph.name), _words(talk))
         if any(len(text) > MAX_TEXT_CHARS for text in heard.texts):
             raise Refused(
                 f"the answer has {len(message.text)} characters and is not taken:"
@@ -148,8 +148,7 @@ class Turns:
         if talk.query is None or talk.query.reason != "readings" or talk.reply is None:
             return None
         split = decide_on(talk.readings, talk.reply, self._settings).split
-        known = observed_words([one.graph for one in talk.reply.instances])
-        return choose(split, text, known) if split is not None else None
+        return choose(split, text, _words(talk)) if split is not None else None
 
     def _read_as(self, talk: Talk, message: Answer, chosen: Chosen) -> list[Output]:
         """Decide by the readings that are left; nothing has to be asked of map or parser."""
@@ -233,6 +232,12 @@ class Turns:
 def _query(talk: Talk) -> Query:
     assert talk.query is not None
     return talk.query
+
+
+def _words(talk: Talk) -> frozenset[str]:
+    """Return the words of all that was observed."""
+    instances = talk.reply.instances if talk.reply is not None else []
+    return frozenset(observed_words([one.graph for one in instances]))
 
 
 def _stamp(reading: Reading) -> int:
