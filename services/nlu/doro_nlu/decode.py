@@ -26,12 +26,22 @@ class Decoder:
         self._steps = np.array(
             [[0.0 if may_follow(a, b) else FORBIDDEN for b in labels] for a in labels]
         )
+        self._allowed = self._steps == 0.0
 
     def decode(self, logits: NDArray[np.float32]) -> tuple[list[str], list[float]]:
         """Return labels and their probabilities for logits (t, labels); ties: the earlier label."""
         if not len(logits):
             return [], []
         log_p = log_softmax(logits.astype(np.float64))
+        path = log_p.argmax(axis=1)
+        legal = self._allowed[path[:-1], path[1:]].all() and self._starts[path[0]] == 0.0
+        if not legal:  # else the labels that are best one by one are the best sequence, too
+            path = self._viterbi(log_p)
+        chosen = np.exp(log_p[np.arange(len(path)), path])
+        return [self.labels[index] for index in path], chosen.tolist()
+
+    def _viterbi(self, log_p: Scores) -> NDArray[np.intp]:
+        """Return the label indices of the best legal sequence for log-probabilities (t, labels)."""
         back = np.zeros(log_p.shape, np.intp)
         best = log_p[0] + self._starts
         columns = np.arange(log_p.shape[1])
@@ -39,14 +49,11 @@ class Decoder:
             scores = best[:, None] + self._steps
             back[row] = scores.argmax(axis=0)
             best = scores[back[row], columns] + log_p[row]
-        at = int(best.argmax())
-        path = [at]
+        path = np.zeros(len(log_p), np.intp)
+        path[-1] = best.argmax()
         for row in range(len(log_p) - 1, 0, -1):
-            at = int(back[row, at])
-            path.append(at)
-        path.reverse()
-        chosen = np.exp(log_p[np.arange(len(path)), path])
-        return [self.labels[index] for index in path], [float(value) for value in chosen]
+            path[row - 1] = back[row, path[row]]
+        return path
 
 
 def log_softmax(logits: Scores) -> Scores:

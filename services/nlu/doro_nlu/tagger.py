@@ -15,11 +15,11 @@ from doro_nlu.features import FIRST_FREE, encode
 from doro_nlu.onnx_files import MODEL_FILE, VOCABULARY_FILE, Tagged, load_session, read_vocabulary
 from doro_schemas.errors import Refused
 
-__all__ = ["DEFAULT_MODEL", "MODEL_FILE", "VOCABULARY_FILE", "BiLstmTagger", "EncoderTagger",
-           "Tagged", "Tagger", "Vocabulary", "load_tagger"]  # fmt: skip
+__all__ = ["DEFAULT_MODEL", "MODEL_FILE", "SHIPPED", "VOCABULARY_FILE", "BiLstmTagger",
+           "EncoderTagger", "Tagged", "Tagger", "Vocabulary", "load_tagger"]  # fmt: skip
 _MODELS = Path(__file__).parent / "models"
 DEFAULT_MODEL = _MODELS / "bilstm"
-_SHIPPED = {"bilstm": DEFAULT_MODEL, "default": _MODELS / "encoder"}
+SHIPPED = {"bilstm": DEFAULT_MODEL, "default": _MODELS / "encoder"}
 _INPUTS = {"words", "chars", "lengths"}
 
 
@@ -127,9 +127,9 @@ def load_tagger(directory: Path | None = None, name: str = "bilstm") -> Tagger:
     Raises:
         Refused: unknown name, or the model cannot be loaded.
     """
-    if directory is None and name not in _SHIPPED:
-        raise Refused(f"no tagger is called '{name}': set nlu.tagger to {' or '.join(_SHIPPED)}")
-    directory = _SHIPPED[name] if directory is None else directory
+    if directory is None and name not in SHIPPED:
+        raise Refused(f"no tagger is called '{name}': set nlu.tagger to {' or '.join(SHIPPED)}")
+    directory = SHIPPED[name] if directory is None else directory
     if read_vocabulary(directory / VOCABULARY_FILE, _Kind).pieces is None:
         return BiLstmTagger(directory)
     return EncoderTagger(directory)

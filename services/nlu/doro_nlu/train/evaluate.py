@@ -15,7 +15,7 @@ from pathlib import Path
 
 import msgspec
 
-from doro_nlu.labels import LABELS, OUTSIDE
+from doro_nlu.labels import OUTSIDE
 from doro_nlu.spans import spans_of
 from doro_nlu.tagger import Tagger, load_tagger
 from doro_nlu.train.annotate import Example
@@ -65,7 +65,8 @@ def evaluate(tagger: Tagger, examples: Sequence[Example], batch: int = 64) -> Re
                 gold[want] += 1
                 said[got] += 1
                 right[want] += want == got
-    scores = {label: _score(right[label], said[label], gold[label]) for label in LABELS}
+    known = dict.fromkeys((*tagger.labels, *sorted(gold)))
+    scores = {label: _score(right[label], said[label], gold[label]) for label in known}
     return Report(
         sentences=len(examples),
         tokens=gold.total(),

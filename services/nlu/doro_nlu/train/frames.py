@@ -6,6 +6,8 @@ slots and brackets are O. Every fifth frame of each list is held out: never trai
 
 from __future__ import annotations
 
+from doro_nlu.train.more_frames import MORE_FRAMES
+
 HELD_OUT_EVERY = 5
 
 INSTRUCTIONS = tuple("""
@@ -63,7 +65,7 @@ my <onlyobj> is <rel>, <tail><end>
 <pol> <verb> <ref> for <person><end>
 <pol> search <front> for <obj><end>
 check <front> for <obj><end>
-<verb> me to <obj> <rel><end>
+<lead> me to <obj> <rel><end>
 i <need> <ref><end>
 <pol> <need> <ref> from <rel:A><end>
 <verb> <several><end>
@@ -94,7 +96,7 @@ next , <verb> <ref> and <tail>
 let 's <verb> <ref><end>
 <verb> it , the <onlyobj> <rel>
 <verb> <ref> if you see it<end>
-<count> <obj> <rel> . <verb> the <col> one
+<set> . <verb> the <col> one
 <verb> either <obj> or <obj2><end>
 <pol> <verb> <obj> whose color is <col><end>
 <pol> <verb> <obj> , <col> and <mat> , <rel><end>
@@ -218,8 +220,7 @@ SHARES = {"instruction": 0.60, "caption": 0.24, "answer": 0.08, "nothing": 0.08}
 def frames_of(kind: str, held_out: bool) -> list[str]:
     """Return the frames of a kind, either those trained on or those held out."""
     every = HELD_OUT_EVERY
-    return [
-        frame
-        for index, frame in enumerate(FRAMES[kind])
-        if (index % every == every - 1) == held_out
-    ]
+    trained = [f for index, f in enumerate(FRAMES[kind]) if index % every != every - 1]
+    if held_out:
+        return [frame for frame in FRAMES[kind][every - 1 :: every] if frame not in trained]
+    return trained + list(MORE_FRAMES[kind])

@@ -10,12 +10,14 @@ from doro_nlu.train import lexicon as lex
 from doro_nlu.train.annotate import Example, annotate
 from doro_nlu.train.fillers import FOREIGN_PARTS, WORDS
 from doro_nlu.train.frames import SHARES, frames_of
+from doro_nlu.train.more_fillers import MORE_WORDS, more_slots
 from doro_nlu.train.noise import add_typos
 from doro_nlu.train.nouns import AMBIGUOUS, COMMON, invented, plural, thing
 from doro_nlu.train.phrases import Phrases, strip_labels
 
 _SLOT = re.compile(r"<([a-z_0-9]+)(?::([a-zA-Z]+))?>")
 TYPO_SHARE = 0.15
+_SOURCES = ("<ref:on>", "<rel:", "<from>")
 _NEGATIONS = (", not", " not", " but not", ", and not")
 _GO = (
     "go to", "walk to", "move to", "head to", "go into", "go over to", "walk over to", "approach",
@@ -44,7 +46,10 @@ class Generator:
         self.phrases = Phrases(self.rng)
         self.frames = {kind: frames_of(kind, held_out) for kind in SHARES}
         self.kept = ""
-        self.slots = self._slots()
+        self.same = ""
+        self.moved = False
+        self.slots = self._slots() | more_slots(self.phrases, rng=self.rng)
+        self.slots["samecol"] = lambda _: self._same_color()
 
     def __iter__(self) -> Iterator[Example]:
         while True:
@@ -57,12 +62,15 @@ class Generator:
         rng = self.rng
         kind = rng.choices(list(SHARES), weights=list(SHARES.values()))[0]
         frame = rng.choice(self.frames[kind])
+        self.same, self.moved = "", any(slot in frame for slot in _SOURCES)
         text = re.sub(r"\s+", " ", _SLOT.sub(self._fill, frame)).strip()
         example = annotate(text)
         return add_typos(example, rng) if rng.random() < TYPO_SHARE else example
 
     def _fill(self, slot: re.Match[str]) -> str:
         name, argument = slot[1], slot[2] or ""
+        if name in MORE_WORDS:
+            return self.rng.choice(MORE_WORDS[name])
         if name in WORDS and not (name in self.slots and self.rng.random() < 0.5):
             return (" " if name == "end" else "") + self.rng.choice(WORDS[name])
         return self.slots[name](argument)
@@ -70,13 +78,15 @@ class Generator:
     def _slots(self) -> dict[str, Callable[[str], str]]:
         rng, phrases = self.rng, self.phrases
         return {
-            "ref": lambda start: phrases.object() + phrases.related(1.0 if start else 0.55),
+            "ref": lambda start: (
+                phrases.object() + (phrases.source() if start else phrases.related(0.55))
+            ),
             "obj": lambda _: phrases.object(),
             "obj2": lambda _: phrases.object(0.2),
             "rel": lambda start: _after(phrases.relation(start=start or None), start),
             "from": lambda _: phrases.related(0.75, start="A"),
             "front": lambda _: phrases.relation(depth=1, start=rng.choice("PAAAN")),
-            "dest": lambda _: phrases.destination(),
+            "dest": lambda _: phrases.destination(moved=self.moved),
             "todest": lambda _: _toward(phrases, rng),
             "plain": lambda _: phrases.plain(),
             "out": lambda _: f"{rng.choice(_OUT_VERBS)} {phrases.object()} out",
@@ -103,6 +113,11 @@ class Generator:
             "again": lambda _: f"the {self.kept}",
             "colornoun": lambda _: phrases.determined("O", rng.choice(AMBIGUOUS), 0.2, 0.8),
         }
+
+    def _same_color(self) -> str:
+        """Return a colour span, the same one throughout a sentence."""
+        self.same = self.same or self.phrases.color()
+        return self.same
 
     def _keep(self) -> str:
         """Return an object and remember its name, for a bare re-mention later."""
@@ -144,8 +159,8 @@ def _several(phrases: Phrases, rng: Random) -> str:
 
 
 def _values(phrases: Phrases, rng: Random) -> str:
-    second = f", {phrases.material()}" if rng.random() < 0.5 else phrases.color()
-    return f"{phrases.color()} {second}"
+    second = phrases.material() if rng.random() < 0.5 else phrases.color()
+    return f"{phrases.color()} {rng.choice((',', 'and'))} {second}"
 
 
 def _toward(phrases: Phrases, rng: Random) -> str:

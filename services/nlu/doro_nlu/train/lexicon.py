@@ -229,7 +229,7 @@ COMMON_MATERIALS = MATERIALS[:12]
 ADJECTIVES = _list(
     """
     small, large, big, little, tiny, huge, tall, short, long, wide, narrow, thick, thin, round,
-    square, rectangular, oval, circular, triangular, curved, flat, deep, shallow, heavy, light,
+    square, rectangular, oval, circular, triangular, curved, flat, deep, shallow, heavy,
     lighter, old, new, modern, antique, vintage, ancient, dirty, clean, empty, full, half-full,
     broken, cracked, chipped, open, closed, opened, folded, rolled, wet, dry, hot, cold, warm,
     chilled, heated, cooked, frozen, sliced, cut, fresh, rotten, ripe, raw, sharp, dull, soft, hard,

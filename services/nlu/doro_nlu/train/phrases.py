@@ -25,6 +25,14 @@ _TOWARD = (
     "by", "to the left of", "in front of", "back in", "back on", "at", "in to", "on to", "atop",
     "inside of", "over on", "gently on", "on the right side of", "in the middle of",
 )  # fmt: skip
+_INTO = (
+    "into", "into", "onto", "to", "over to", "in", "in", "on", "on", "inside", "back in",
+    "back into", "on to", "in to", "inside of", "and into", "back to", "down on", "back on",
+)  # fmt: skip
+_PLACED = (
+    "near", "next to", "by", "beside", "to the left of", "to the right of", "in front of", "behind",
+    "in", "on", "under", "that is next to", "that is near", "across from", "against", "with",
+)  # fmt: skip
 _ADVERBS = ("right", "directly", "just", "immediately", "somewhere", "still", "all the way")
 _EGOCENTRIC = (
     "on the left", "on the right", "to your right", "to your left", "in front of you",
@@ -79,6 +87,11 @@ class Phrases:
             words.insert(0, rng.choice(("very", "really", "quite", "slightly", "most")))
         return rng.choice((" ", " ", " ", ", ")).join(words)
 
+    def _before_color(self, probability: float) -> str:
+        """Return adjectives that do not read as a shade of the colour after them ("deep")."""
+        text = self.adjectives(probability)
+        return "" if text.rpartition(" ")[2] in lex.SHADES else text
+
     def noun(self, code: str, name: str, rich: float) -> str:
         """Return attributes and noun in one of the orders that people use."""
         rng = self.rng
@@ -89,7 +102,9 @@ class Phrases:
         comma = "," if first and second and rng.random() < 0.06 else ""
         if first and second and rng.random() < 0.04:
             comma = " and"
-        parts = [self.adjectives(0.22), first + comma, self.adjectives(0.05), second, head]
+        opening = self._before_color(0.22) if first else self.adjectives(0.22)
+        inner = self._before_color(0.05) if second else self.adjectives(0.05)
+        parts = [opening, first + comma, inner, second, head]
         return " ".join(part for part in parts if part)
 
     def determined(self, code: str, name: str, rich: float, indefinite: float) -> str:
@@ -221,13 +236,30 @@ class Phrases:
         text = self.determined("O", place(self.rng, self.rng.choice("NPA")), 0.3, 0.2)
         return strip_labels(text)
 
-    def destination(self) -> str:
-        """Return where something is to go; all O."""
+    def destination(self, *, moved: bool = False) -> str:
+        """Return where something is to go; all O.
+
+        Args:
+            moved: the sentence has told where the thing is now, so that only a preposition of
+                motion tells the destination from one more relation of the source.
+        """
         rng = self.rng
+        if moved:
+            return f"{rng.choice(_INTO)} {self.plain()}"
         text = f"{rng.choice(_TOWARD)} {self.plain()}"
         if rng.random() < 0.2:
-            text += " " + strip_labels(self.relation())
+            text += f" {rng.choice(_PLACED)} {self.plain()}"
         return text
+
+    def source(self) -> str:
+        """Return where a thing is before it is put elsewhere: one relation, marked as such."""
+        rng = self.rng
+        link = rng.choice(_LINKS) if rng.random() < 0.7 else ""
+        code = rng.choice("NNPPPA") if link else "P"
+        connector, phrase = self.landmark(code, 0.2)
+        if not link:
+            connector = rng.choice(("{A from}", "{A from}", "{A off}", "{P on}", "{A off of}"))
+        return f" {link} {connector} {phrase}"
 
 
 def strip_labels(text: str) -> str:
