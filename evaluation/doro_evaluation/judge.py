@@ -9,12 +9,13 @@ QA of a pair is 1 when all of this holds, else 0:
    a holder and two landmarks, by the shared rule between the true boxes (``doro_schemas.spatial``).
 
 The truth comes from the same decision on the true instances (class, attributes, relations) that
-at least one view shows. Which found instance is which true one follows from its place.
+a perfect detector reports in at least one view. Which found instance is which true one follows
+from its place.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from typing import Literal
 
 import msgspec
@@ -62,7 +63,7 @@ class Truth(msgspec.Struct, frozen=True):
     """The true instances that count, and their graphs by object id.
 
     Attributes:
-        items: what some view shows; around: all of the room, as landmarks.
+        items: what counts; around: all of the room, as landmarks.
     """
 
     items: list[TrueInstance]
@@ -70,15 +71,15 @@ class Truth(msgspec.Struct, frozen=True):
     around: list[TrueInstance]
 
     @classmethod
-    def of(cls, items: Sequence[TrueInstance], around: Sequence[TrueInstance] = ()) -> Truth:
-        """Return the truth of the instances that some view shows.
+    def of(cls, around: Sequence[TrueInstance], counted: Container[str]) -> Truth:
+        """Return the truth of a room.
 
         Args:
-            around: all things of the room; none: ``items``.
+            around: all things of the room.
+            counted: object ids of those that a perfect detector reports in some view.
         """
-        seen = [item for item in items if item.views > 0]
-        graphs = {item.object_id: true_graph(item) for item in seen}
-        return cls(seen, graphs, list(around or items))
+        seen = [item for item in around if item.object_id in counted]
+        return cls(seen, {item.object_id: true_graph(item) for item in seen}, list(around))
 
     def holds(self, said: ObjectGraph, object_id: str) -> bool:
         """Tell whether all that a clause says is true of an instance."""

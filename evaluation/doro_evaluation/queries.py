@@ -14,6 +14,7 @@ from doro_dialogue.facts import Candidate
 from doro_dialogue.question import Question, compose, pick
 from doro_evaluation.chain import ERROR_MODELS, Language, Room, count_instances
 from doro_evaluation.judge import Truth, Verdict, identify, judge
+from doro_evaluation.outcomes import reported_views
 from doro_evaluation.pairs import Pair
 from doro_mapper.settings import MapperSettings
 from doro_nlu.core import Nlu
@@ -27,7 +28,7 @@ DECIDERS: dict[str, Decide] = {"ours": decide, "paper_literal": paper_literal}
 FINDERS = {"ours": "tracks", "paper_literal": "paper_literal"}
 
 
-class Outcome(msgspec.Struct, frozen=True):
+class QueryOutcome(msgspec.Struct, frozen=True):
     """How one pair came out in one row of a table.
 
     Attributes:
@@ -73,19 +74,19 @@ def multi_view(
     *,
     system: str = "ours",
     settings: MapperSettings | None = None,
-) -> Iterator[Outcome]:
+) -> Iterator[QueryOutcome]:
     """Yield the outcomes of a recording's pairs on the map of all its views."""
     finder = FINDERS[system]
     chosen = msgspec.structs.replace(settings or MapperSettings(), finder=finder)
     found = count_instances(room, graphs, chosen)
-    truth = Truth.of(room.truth)
+    truth = Truth.of(room.truth, reported_views(room))
     identity = identify(found.instances, truth)
     candidates = [Candidate(one.instance_id, one.graph) for one in found.instances]
     speaker = Speaker(nlu, system)
     for pair in pairs:
         said = speaker.say(pair, candidates, found.unseen_share)
         verdict = judge(truth, pair.graph, pair.task, said, identity, found.unseen_share)
-        yield Outcome(pair, system, "multi-view", verdict)
+        yield QueryOutcome(pair, system, "multi-view", verdict)
 
 
 def single_view(
@@ -95,20 +96,22 @@ def single_view(
     nlu: Nlu,
     *,
     system: str = "ours",
-) -> Iterator[Outcome]:
+) -> Iterator[QueryOutcome]:
     """Yield the outcomes on one view each, judged by the whole room and by the image."""
-    whole = Truth.of(room.truth)
+    whole = Truth.of(room.truth, reported_views(room))
     speaker = Speaker(nlu, system)
     for pair in pairs:
         view = best_view(room.detections, pair)
         candidates, identity = _of_view(graphs[view], room.detections[view])
         said = speaker.say(pair, candidates, 0.0)
-        yield Outcome(
+        yield QueryOutcome(
             pair, system, "single-view", judge(whole, pair.graph, pair.task, said, identity)
         )
         delivered = set(identity.values())
-        image = Truth.of([item for item in room.truth if item.object_id in delivered], room.truth)
-        yield Outcome(pair, system, "image", judge(image, pair.graph, pair.task, said, identity))
+        image = Truth.of(room.truth, delivered)
+        yield QueryOutcome(
+            pair, system, "image", judge(image, pair.graph, pair.task, said, identity)
+        )
 
 
 def best_view(detections: Sequence[SimDetections], pair: Pair) -> int:
@@ -127,10 +130,10 @@ def run_room(
     *,
     errors: str = "cs+sd+fn",
     systems: Sequence[str] = ("ours", "paper_literal"),
-) -> list[Outcome]:
+) -> list[QueryOutcome]:
     """Return the outcomes of a recording's pairs for all rows of Tables III and IV."""
     graphs = language.graphs(room, ERROR_MODELS[errors])
-    outcomes: list[Outcome] = []
+    outcomes: list[QueryOutcome] = []
     for system in systems:
         outcomes += multi_view(room, pairs, graphs, nlu, system=system)
         outcomes += single_view(room, pairs, graphs, nlu, system=system)

@@ -15,7 +15,7 @@ import msgspec
 from sacrebleu.metrics.bleu import BLEU
 
 from doro_evaluation.bootstrap import interval
-from doro_evaluation.queries import Outcome
+from doro_evaluation.queries import QueryOutcome
 
 CLEAR = "CONFIRM"
 
@@ -40,14 +40,14 @@ class QueryScores(msgspec.Struct, frozen=True):
     faults: dict[str, int]
 
 
-def score_queries(outcomes: Sequence[Outcome], seed: int = 0) -> QueryScores:
+def score_queries(outcomes: Sequence[QueryOutcome], seed: int = 0) -> QueryScores:
     """Return the figures of the outcomes of one system in one view."""
-    rooms: dict[str, list[Outcome]] = defaultdict(list)
+    rooms: dict[str, list[QueryOutcome]] = defaultdict(list)
     for one in outcomes:
         rooms[one.pair.episode].append(one)
     groups = list(rooms.values())
 
-    def scored(statistic: Callable[[list[Outcome]], float]) -> Score:
+    def scored(statistic: Callable[[list[QueryOutcome]], float]) -> Score:
         return Score(statistic(list(outcomes)), *interval(groups, statistic, seed))
 
     faults = Counter(one.verdict.fault for one in outcomes if one.verdict.fault)
@@ -62,7 +62,7 @@ def score_queries(outcomes: Sequence[Outcome], seed: int = 0) -> QueryScores:
     )
 
 
-def ambiguity_f1(outcomes: Sequence[Outcome]) -> float:
+def ambiguity_f1(outcomes: Sequence[QueryOutcome]) -> float:
     """Return the F1 of "something is to be asked or told" (all states but CONFIRM)."""
     said = [one.verdict.said not in (CLEAR, "") for one in outcomes]
     true = [one.verdict.true != CLEAR for one in outcomes]
@@ -71,7 +71,7 @@ def ambiguity_f1(outcomes: Sequence[Outcome]) -> float:
     return 2 * hits / total if total else float("nan")
 
 
-def states_f1(outcomes: Sequence[Outcome]) -> float:
+def states_f1(outcomes: Sequence[QueryOutcome]) -> float:
     """Return the F1 over the four states, weighted by their true number."""
     true = Counter(one.verdict.true for one in outcomes)
     said = Counter(one.verdict.said for one in outcomes)
@@ -80,7 +80,7 @@ def states_f1(outcomes: Sequence[Outcome]) -> float:
     return sum(f1[state] * count for state, count in true.items()) / max(len(outcomes), 1)
 
 
-def bleu(outcomes: Sequence[Outcome], draws: int = 1000) -> Score:
+def bleu(outcomes: Sequence[QueryOutcome], draws: int = 1000) -> Score:
     """Return the corpus BLEU-4 against all wordings, with sacrebleu's own bootstrap interval."""
     texts = [one.verdict.text for one in outcomes]
     most = max((len(one.verdict.references) for one in outcomes), default=0)
