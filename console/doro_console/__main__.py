@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
+from typing import IO
 
 import click
 import msgspec
@@ -131,14 +132,22 @@ def view(common: Common) -> None:
 
 @main.command()
 @click.option("--caption", is_flag=True, help="The texts are captions, not instructions.")
+@click.option("--labels", is_flag=True, help="Tokens, labels and their probabilities as well.")
+@click.option("--conllu", type=click.File("r", encoding="utf-8"), help="CoNLL-U file; - = stdin.")
 @common_options
 @says_refusals
-def parse(common: Common, caption: bool) -> None:
-    """JSON lines {"id","text"} on stdin -> {"id","graph"} on stdout."""
-    from doro_console.lines import load_nlu, parse_record, run_lines
+def parse(common: Common, caption: bool, labels: bool, conllu: IO[str] | None) -> None:
+    """JSON lines {"id","text"} on stdin, or CoNLL-U -> {"id","graph"} on stdout."""
+    from doro_console.lines import load_nlu, parse_record, parse_trees, run_lines
 
+    if conllu is not None:
+        for answer in parse_trees(conllu, caption=caption, labels=labels):
+            click.echo(json.dumps(answer, ensure_ascii=False))
+        return
     nlu = load_nlu(common.overrides)
-    run_lines(sys.stdin, sys.stdout, lambda one: parse_record(nlu, one, caption=caption))
+    run_lines(
+        sys.stdin, sys.stdout, lambda one: parse_record(nlu, one, caption=caption, labels=labels)
+    )
 
 
 @main.command()

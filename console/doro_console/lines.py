@@ -11,15 +11,22 @@ import msgspec
 from doro_dialogue.answer_lines import answer_record
 from doro_dialogue.decide_lines import decide_record
 from doro_nlu.core import Nlu
+from doro_nlu.from_conllu import parse_conllu
 from doro_nlu.settings import NluSettings
 from doro_schemas.errors import Refused
+from doro_schemas.messages import ParseReply
 from doro_schemas.settings import load_settings
 
 Record = dict[str, Any]
 
 
-def parse_record(nlu: Nlu, record: Record, *, caption: bool) -> Record:
-    """Return ``{"id", "graph", ...}`` of one ``{"id", "text"}``; graph is None with a reason."""
+def parse_record(nlu: Nlu, record: Record, *, caption: bool, labels: bool = False) -> Record:
+    """Return ``{"id", "graph", ...}`` of one ``{"id", "text"}``; graph is None with a reason.
+
+    Args:
+        caption: the text is a caption, not an instruction.
+        labels: add ``tokens``, ``labels`` and ``probabilities``.
+    """
     name, text = record.get("id"), record.get("text")
     if not isinstance(text, str):
         return {"id": name, "graph": None, "reason": "the record has no text"}
@@ -27,12 +34,35 @@ def parse_record(nlu: Nlu, record: Record, *, caption: bool) -> Record:
         parsed = nlu.parse_text(text, caption=caption)
     except Refused as refused:
         return {"id": name, "graph": None, "reason": refused.reason}
+    return _parsed_record(name, parsed, labels=labels)
+
+
+def parse_trees(source: IO[str], *, caption: bool, labels: bool) -> Iterator[Record]:
+    """Yield the record of every sentence of a CoNLL-U text; no tagger is loaded.
+
+    Raises:
+        Refused: the text is no CoNLL-U; the line is named.
+    """
+    try:
+        text = source.read()
+    except UnicodeDecodeError as error:
+        raise Refused(f"CoNLL-U must be UTF-8: {error}") from error
+    for sentence in parse_conllu(text, caption=caption):
+        yield _parsed_record(sentence.id, sentence.reply, labels=labels)
+
+
+def _parsed_record(name: object, parsed: ParseReply, *, labels: bool) -> Record:
     answer: Record = {"id": name, "graph": msgspec.to_builtins(parsed.graph)}
     if parsed.reason:
-        answer["reason"] = parsed.reason
+        answer["reason"], answer["reason_kind"] = parsed.reason, parsed.reason_kind
     if parsed.readings:
         answer["readings"] = msgspec.to_builtins(parsed.readings)
-    return {**answer, "task": parsed.task, "confidence": round(parsed.confidence, 4)}
+        answer["reading_confidences"] = [round(one, 4) for one in parsed.reading_confidences]
+    answer |= {"task": parsed.task, "confidence": round(parsed.confidence, 4)}
+    if labels:
+        answer |= {"tokens": parsed.tokens, "labels": parsed.labels}
+        answer["probabilities"] = [round(one, 4) for one in parsed.probabilities]
+    return answer
 
 
 def decide_line(

@@ -36,6 +36,7 @@ class Link(NamedTuple):
         joined: it hangs where the link before it hangs ("between A and B").
         closed: nothing that follows hangs on the landmark ("with an apple in it").
         shuns: nouns that it cannot hang on although they stand before it.
+        prefers: the noun that a dependency parse hangs it on; -1 = no such parse.
     """
 
     kind: str
@@ -47,6 +48,7 @@ class Link(NamedTuple):
     joined: bool = False
     closed: bool = False
     shuns: tuple[int, ...] = ()
+    prefers: int = -1
 
 
 class Value(NamedTuple):

@@ -138,23 +138,7 @@ class Nlu:
             )
         text = text.encode("utf-8", "replace").decode()  # lone surrogates fit on no wire
         understood = (self._cached if caption else self._understand)([text])[0]
-        tagged, result = understood.tagged, understood.parse
-        if result.second and not caption:
-            result = refused(result.second)
-        reason = result.reason
-        return ParseReply(
-            text=text,
-            task="" if caption else result.task,
-            tokens=list(tagged.tokens),
-            labels=list(tagged.labels),
-            probabilities=list(tagged.probabilities),
-            graph=result.graph,
-            readings=[reading.graph for reading in result.readings],
-            reading_confidences=[reading.share * result.confidence for reading in result.readings],
-            reason=reason.text if reason else "",
-            reason_kind=reason.kind if reason else "",
-            confidence=result.confidence,
-        )
+        return reply_of(text, understood.tagged, understood.parse, caption=caption)
 
     def _cached(self, texts: Sequence[str]) -> list[Understood]:
         """Return the parses of captions, new ones run in one batch and kept."""
@@ -184,6 +168,26 @@ class Nlu:
         if result.graph and result.object_probability < self._settings.min_object_probability:
             result = refused(unsure(result.graph.name, text))
         return Understood(text, tagged, result)
+
+
+def reply_of(text: str, tagged: Tagged, result: Parse, *, caption: bool = False) -> ParseReply:
+    """Return a parse as a message; a caption names no task and may name two things."""
+    if result.second and not caption:
+        result = refused(result.second)
+    reason = result.reason
+    return ParseReply(
+        text=text,
+        task="" if caption else result.task,
+        tokens=list(tagged.tokens),
+        labels=list(tagged.labels),
+        probabilities=list(tagged.probabilities),
+        graph=result.graph,
+        readings=[reading.graph for reading in result.readings],
+        reading_confidences=[reading.share * result.confidence for reading in result.readings],
+        reason=reason.text if reason else "",
+        reason_kind=reason.kind if reason else "",
+        confidence=result.confidence,
+    )
 
 
 def canonical(graph: ObjectGraph) -> ObjectGraph:

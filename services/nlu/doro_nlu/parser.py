@@ -8,7 +8,7 @@ may as well belong to another noun, the other graphs are kept (:mod:`doro_nlu.re
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from doro_nlu.attach import Link, Sentence, Value
@@ -50,8 +50,15 @@ def refused(reason: Reason) -> Parse:
     return Parse(None, [], "", 0.0, reason)
 
 
-def parse(tagged: Tagged, text: str) -> Parse:
-    """Return the graph of a tagged sentence; ``text`` is for the reason's sentence."""
+def parse(tagged: Tagged, text: str, heads: Mapping[int, int] | None = None) -> Parse:
+    """Return the graph of a tagged sentence.
+
+    Args:
+        tagged: tokens, labels and their probabilities.
+        text: for the reason's sentence.
+        heads: by the first token of a span, a token of the noun that a dependency parse hangs it
+            on (:mod:`doro_nlu.dependencies`): the first reading follows it.
+    """
     words = [token.lower() for token in tagged.tokens]
     settled = settle(words, spans_of(*tagged))
     if settled is None:
@@ -60,6 +67,8 @@ def parse(tagged: Tagged, text: str) -> Parse:
     sentence = Sentence(tagged.tokens, settled.spans, root)
     links = sentence.links()[:MAX_RELATIONS]
     values = sentence.values()
+    if heads:
+        links, values = _by_heads(sentence.nouns, links, values, heads)
     first, *others = readings_of(Found(sentence.nouns, values, links))
     second = two_targets(first.graph.name, settled.second) if settled.second else None
     return Parse(
@@ -71,6 +80,26 @@ def parse(tagged: Tagged, text: str) -> Parse:
         root.probability,
         second,
     )
+
+
+def _by_heads(
+    nouns: Sequence[Span], links: Sequence[Link], values: Sequence[Value], heads: Mapping[int, int]
+) -> tuple[list[Link], list[Value]]:
+    """Return links and values with the nouns that a dependency parse names put first."""
+    owner = {at: index for index, noun in enumerate(nouns) for at in range(noun.start, noun.end)}
+
+    def noun_of(*spans: Span) -> int:
+        named = [heads[span.start] for span in spans if span.start in heads]
+        return owner.get(named[0], -1) if named else -1
+
+    hung = [link._replace(prefers=noun_of(*link.spans)) for link in links]
+    moved = [
+        value._replace(noun=value.other, other=value.noun)
+        if noun_of(value.span) == value.other != value.noun
+        else value
+        for value in values
+    ]
+    return hung, moved
 
 
 def _confidence(root: Span, values: Sequence[Value], links: Sequence[Link]) -> float:

@@ -99,6 +99,9 @@ def _options(link: Link, frontier: tuple[int, ...]) -> list[int]:
     if link.object_first:
         nearest_first.remove(0)
         nearest_first.insert(0, 0)
+    if link.prefers in nearest_first:
+        nearest_first.remove(link.prefers)
+        nearest_first.insert(0, link.prefers)
     return nearest_first
 
 
