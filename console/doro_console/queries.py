@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import click
@@ -64,7 +65,7 @@ def queries(
             progress.update(task, advance=1)
     scores = score_all(outcomes)
     for table in tables_of(scores):
-        Console().print(table)
+        Console(width=None if sys.stdout.isatty() else 120).print(table)
     if cases is not None:
         write_cases(cases, outcomes)
     command = f"doro eval queries --part {part} --pairs {count} --errors {chosen} --seed {seed}"
