@@ -215,7 +215,7 @@ TEXTS = [
     (
         "five",
         "the glass one",
-        "I found one red cup on top of the table, and one red cup on",
+        "I found one red glass cup on top of the table, and one red glass cup on top of the shelf",
     ),
     ("three", "not the red one", "I found one blue cup, and one green cup;"),
     ("three", "the purple one", "I could not find a purple cup."),

@@ -11,6 +11,7 @@ COLORS = words(
     " tan cream ivory navy maroon violet turquoise teal cyan magenta crimson scarlet burgundy"
     " charcoal khaki olive dark light bright pale transparent clear"
 )
+SHADES = words("dark light bright pale deep")
 MATERIALS = words(
     "plastic metal metallic wood wooden glass ceramic paper cardboard leather fabric cloth stone"
     " marble steel iron aluminum aluminium brass copper bronze porcelain rubber wicker wool woolen"
@@ -82,8 +83,9 @@ LEADING_YES = re.compile(
 ANY = re.compile(
     r"^either(?: one| of (?:them|these|those|the two))?(?: (?:is|are|will be|would be|works|would)"
     r"\b.*)?$"
-    r"|\b(?:any(?: one)?(?: of (?:them|these|those))?|anyone|(?:whichever|whatever)(?: one)?(?: you (?:like|want"
-    r"|prefer))?|does not matter(?: which(?: one)?)?|doesn't matter(?: which(?: one)?)?"
+    r"|\b(?:any(?: one)?(?: of (?:them|these|those))?|anyone"
+    r"|(?:whichever|whatever)(?: one)?(?: you (?:like|want|prefer))?"
+    r"|does not matter(?: which(?: one)?)?|doesn't matter(?: which(?: one)?)?"
     r"|i do not (?:mind|care)(?: which(?: one)?)?|i don't (?:mind|care)(?: which(?: one)?)?"
     r"|(?:it's |it is )?(?:up to you|your choice)|you (?:choose|pick|decide)|no preference"
     r"|it is all the same(?: to me)?)\b(?! (?:other|but|except))"
@@ -114,12 +116,13 @@ NEGATION = re.compile(
     r"|\bwithout\b|\bnever\b|\bnot\b|\bneither\b|\bnor\b"
 )
 OTHER = re.compile(r"\b(?:other|remaining)(?: (?:ones?|two))?\b|\banother(?: one)?\b|\bthe rest\b")
-_NUMBER = "one|two|three|four|five|six|1|2|3|4|5|6"
+_NUMBER = "one|two|three|four|five|six|seven|eight|nine|ten|10|[1-9]"
+_NTH = "first|second|third|fourth|fifth|sixth|seventh|eighth|ninth|tenth|1st|2nd|3rd|[4-9]th|10th"
 ORDINAL = re.compile(
-    r"\b(first|second|third|fourth|fifth|sixth|1st|2nd|3rd|4th|5th|6th|last|final|former|latter)\b"
+    rf"\b({_NTH}|last|final|former|latter)\b"
     rf"(?! (?:to|from|closest|nearest|biggest|two|three|four|five|few|ones)\b)"
     rf"|(?:\b(?:number|option|no\.?) |#)({_NUMBER})\b"
-    r"|^(?:the )?([1-6])$"
+    r"|^(?:the )?([1-9]|10)$"
 )
 ORDINALS = {
     word: number
@@ -131,18 +134,24 @@ ORDINALS = {
             "fourth 4th 4 four",
             "fifth 5th 5 five",
             "sixth 6th 6 six",
+            "seventh 7th 7 seven",
+            "eighth 8th 8 eight",
+            "ninth 9th 9 nine",
+            "tenth 10th 10 ten",
         ),
         1,
     )
     for word in group.split(" ")
 } | {"last": -1, "final": -1, "latter": -1}
+RIGHT = re.compile(r"^(?:the )?right(?:[- ]hand)?(?: one| side)?$")
+"""May be a "yes" as well as a side."""
 SIDE = re.compile(
-    r"(?:\b(?:on|to|at|in) )?\b(?:the |your |my )?\b(?:far |very )?"
+    r"(?:\b(?:on|to|at|in) )?\b(?:the |your )?\b(?:far |very )?"
     r"(?P<side>left(?:most)?|right(?:most)?|middle|center|centre)(?:[- ]hand)?(?: side)?\b(?! of)"
 )
 FROM_SIDE = re.compile(
-    r"\b(?:the )?(?P<number>first|second|third|fourth|fifth|sixth|1st|2nd|3rd|4th|5th|6th|last)"
-    r"(?: one)? from (?:the |your |my )?(?P<side>left|right)(?:[- ]hand)?(?: side)?\b"
+    rf"\b(?:the )?(?P<number>{_NTH}|last)"
+    r"(?: one)? from (?:the |your )?(?P<side>left|right)(?:[- ]hand)?(?: side)?\b"
 )
 PREPOSITION = re.compile(
     r"\b(?:on top of|on|in|inside|near|next to|beside|by|close to|under|behind|in front of|at|from"
@@ -152,6 +161,7 @@ UNCLEAR = re.compile(
     r"\b(?!forest|west|rest|chest|guest|vest|nest|nearest to|closest to)\w{2,}est\b(?! to)"
     r"|\b(?:clos|near|far|bigg|small|larg|tall|short|old|new|clean|light|dark|heavi|nic)er\b.*"
     r"|\b\w+ than\b.*|\b(?:more|less|most|least)\b|\b(?:far|farther|further|away) from\b.*"
+    r"|\b(?:on |to |at )?my (?:left|right)\b.*"
     r"|\bmine\b|\byours\b|\b(?!it|that|what|there|let|he|she)\w+'s\b|\bbetween\b.*"
     r"|\b(?:first|last) (?:two|three|four|five|few|ones)\b|\b(?:that |which )?you (?:saw|found)\b.*"
     r"|\bopposite\b.*|\b(?:second|next|third) to (?:the )?last\b|\bsame\b"

@@ -35,6 +35,7 @@ from doro_dialogue.act_words import (
     PLACE_PHRASE,
     PREPOSITION,
     REPEAT,
+    RIGHT,
     SEARCH,
     SIDE,
     UNCLEAR,
@@ -42,6 +43,7 @@ from doro_dialogue.act_words import (
 )
 from doro_dialogue.facts import words
 from doro_dialogue.mend import mended
+from doro_dialogue.surface import is_plural
 
 Act = Literal[
     "describe", "cancel", "search", "none", "any", "all", "yes", "no", "repeat", "unclear"
@@ -115,6 +117,8 @@ def hear(text: str, name: str, known: frozenset[str] = frozenset()) -> Heard:
     whole = _whole(said, name)
     if whole is not None:
         return whole
+    if RIGHT.search(said):
+        return Heard("yes", [[Phrase(side="right")]])
     no, said = _leading(LEADING_NO, said)
     yes, said = _leading(LEADING_YES, said) if not no else (False, said)
     if not said:
@@ -217,16 +221,22 @@ def _phrase(said: str, name: str) -> Phrase:
     side = ""
     if match := FROM_SIDE.search(said):
         side, ordinal, mixed = match.group("side"), ORDINALS[match.group("number")], False
-        said = f"{said[: match.start()]} one {said[match.end() :]}"
+        said = _without(said, match)
     else:
         ordinal, said, mixed = _ordinal(said)
     if not side and (match := SIDE.search(said)):
         side = {"l": "left", "r": "right"}.get(match.group("side")[0], "middle")
-        said = f"{said[: match.start()]} one {said[match.end() :]}"
+        said = _without(said, match)
     text = _to_parse(said, name)
     if negative and not (text or ordinal or side or other):
         unclear = True
     return Phrase(text, negative, ordinal, side, other, plural, unclear or mixed)
+
+
+def _without(said: str, side: re.Match[str]) -> str:
+    """Return the phrase without its side; with nothing else left it is still "one"."""
+    before, after = said[: side.start()].strip(), said[side.end() :].strip()
+    return f"{before} {after}" if before else f"the {after or 'one'}"
 
 
 def _ordinal(said: str) -> tuple[int, str, bool]:
@@ -247,6 +257,9 @@ def _to_parse(said: str, name: str) -> str:
     said = re.sub(r"\bby (?=the|a|my)\b", "near ", said)
     said = re.sub(r"\b(?:closest|nearest) to\b", "near", said)
     said = re.sub(r"\b(ones?|thing|object|item)\b", name, said)
+    if is_plural(name):
+        said = re.sub(r"\b(?:pair|set)s?(?: of)?\b", name, said)
+    said = re.sub(r"\s+", " ", said)
     said = re.sub(rf"\b({re.escape(name)})( \1)+\b", r"\1", said)
     said = re.sub(r"\s+", " ", said).strip(" ,")
     if not re.sub(rf"{NO_CONTENT.pattern}|\b{re.escape(name)}\b", "", said).strip(" ,'"):

@@ -142,7 +142,10 @@ def _scene(
         return Scene(record.graph, asked.state or state, asked.text, asked.clauses, candidates)
     text = asked if isinstance(asked, str) else asked.text
     of_class = [one.candidate for one in decision.judged]
-    groups, ordered = read_question(text, own, of_class) if text else (own, not text)
+    if not text or text in question.wordings:
+        groups, ordered = own, True
+    else:
+        groups, ordered = read_question(text, own, of_class)
     if groups != own and len(groups) == 1:
         state = "INFORM-MISMATCH"
     elif len(groups) > 1:

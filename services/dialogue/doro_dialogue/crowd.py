@@ -23,6 +23,9 @@ MAX_NAMED = 6
 """Candidates that are named one by one; the paper has up to five."""
 
 MAX_BUNCHES = 4
+MAX_VALUES = 7
+"""Kinds that are named at most: places and classes are longer to hear than colors."""
+
 Key = tuple[str, str]
 KIND = "kind"
 
@@ -32,7 +35,7 @@ class Bunch(msgspec.Struct, frozen=True):
 
     Attributes:
         ids: the instances.
-        words: count and fact ("five red", "three others").
+        words: count and fact ("five red", "three more").
         fact: what they share; None for kinds of the class and for the rest.
         name: their class, where it is what they share.
     """
@@ -87,8 +90,7 @@ def _bunched(cut: _Cut) -> list[Bunch]:
     ]
     rest = [one.id for one in cut.rest]
     if rest:
-        noun = "other" if len(rest) == 1 else "others"
-        found.append(Bunch(rest, f"{count_word(len(rest))} {noun}"))
+        found.append(Bunch(rest, f"{count_word(len(rest))} more"))
     return found
 
 
@@ -147,6 +149,7 @@ def _kept(
 ) -> _Cut:
     """Keep the largest kinds; the others join what is left over."""
     ranked = sorted(kinds, key=lambda key: (-len(kinds[key]), key))
-    few = ranked[: MAX_BUNCHES + (len(ranked) == MAX_BUNCHES + 1 and not rest)]
+    short = all(isinstance(fact, Attribute) for fact in facts.values())
+    few = ranked[: MAX_VALUES if short else MAX_BUNCHES]
     over = [one for key in ranked[len(few) :] for one in kinds[key]]
     return _Cut(order, {key: kinds[key] for key in few}, facts, [*rest, *over])

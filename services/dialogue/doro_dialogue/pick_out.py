@@ -7,15 +7,15 @@ from collections.abc import Sequence
 
 import msgspec
 
-from doro_dialogue.act_words import DESCRIBING
+from doro_dialogue.act_words import DESCRIBING, SHADES
 from doro_dialogue.acts import Phrase
-from doro_dialogue.facts import facts_of, value_of
+from doro_dialogue.facts import COLOR, facts_of, value_of
 from doro_dialogue.matching import Verdict, worst
+from doro_dialogue.rows import IN_ROW
 from doro_dialogue.scene import Scene
 from doro_schemas.graph import ObjectGraph
 from doro_schemas.messages.talk import Clause
 
-IN_ROW = re.compile(r", (?:on the (?:left|right)|in the middle|the \w+ from the left)$").search
 Graphs = dict[str, ObjectGraph | None]
 
 
@@ -54,7 +54,8 @@ def alternative(scene: Scene, phrases: list[Phrase], graphs: Graphs) -> Found:
             excluding = True
             each = {one: _turned(verdict) for one, verdict in each.items()}
         elif phrase.text:
-            graph = graphs[phrase.text]
+            read = graphs[phrase.text]
+            graph = None if read is None else _shade(scene, read)
         for one in ids:
             verdicts[one].append(each[one])
     if not any(verdicts.values()):
@@ -129,12 +130,25 @@ def _facts(scene: Scene, graph: ObjectGraph | None) -> ObjectGraph | None:
     """Return the graph if it says something that an observation can answer."""
     if graph is None:
         return None
+    graph = _shade(scene, graph)
     known = scene.values()
     for value in graph.attributes.values():
         if not all(word in DESCRIBING or word in known for word in value_of(value).split(" ")):
             return None
     named = graph.name not in (scene.said.name,)
     return graph if graph.attributes or graph.relations or named else None
+
+
+def _shade(scene: Scene, graph: ObjectGraph) -> ObjectGraph:
+    """Return "the dark one" as "the dark blue one", where one color offered is dark."""
+    color = graph.attributes.get(COLOR, "")
+    if color not in SHADES:
+        return graph
+    seen = {value_of(scene.graph(one).attributes.get(COLOR, "")) for one in scene.ids}
+    shades = sorted(one for one in seen if one.startswith(f"{color} "))
+    own = {key: value for key, value in graph.attributes.items() if key != COLOR}
+    own |= {COLOR: shades[0]} if len(shades) == 1 else {}
+    return ObjectGraph(graph.name, own, graph.relations)
 
 
 def _ordinal(scene: Scene, number: int, by_facts: dict[str, Verdict] | None) -> list[str] | None:
@@ -165,10 +179,7 @@ def _nth(groups: Sequence[Clause], number: int) -> list[str] | None:
 
 def _side(scene: Scene, side: str) -> list[str] | None:
     """Return the group at a side, where the question gave its order by place."""
-    named = [g for g in scene.groups if re.search(rf"\b{side}(?! of)\b", g.text)]
-    if len(named) == 1:
-        return named[0].instance_ids
-    row = _row(scene)
+    row = row_of_groups(scene)
     if not row or (side == "middle" and len(row) % 2 == 0):
         return None
     index = {"left": 0, "middle": len(row) // 2, "right": len(row) - 1}[side]
@@ -177,11 +188,13 @@ def _side(scene: Scene, side: str) -> list[str] | None:
 
 def _from_side(scene: Scene, number: int, side: str) -> list[str] | None:
     """Return the group counted from a side ("the second from the left")."""
-    row = _row(scene) if side == "left" else _row(scene)[::-1]
+    row = row_of_groups(scene) if side == "left" else row_of_groups(scene)[::-1]
     index = number - 1 if number > 0 else len(row) - 1
     return row[index].instance_ids if 0 <= index < len(row) else None
 
 
-def _row(scene: Scene) -> list[Clause]:
+def row_of_groups(scene: Scene) -> list[Clause]:
     """Return the groups that the question put in a row, from left to right."""
-    return list(scene.groups) if scene.by_place else [g for g in scene.groups if IN_ROW(g.text)]
+    if scene.by_place:
+        return list(scene.groups)
+    return [group for group in scene.groups if IN_ROW.search(group.text)]

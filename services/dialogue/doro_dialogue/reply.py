@@ -14,8 +14,10 @@ from doro_dialogue.matching import match
 from doro_dialogue.question import Part, Question, carries, compose, pick
 from doro_dialogue.readings import Split, decide_readings
 from doro_dialogue.resolve import Outcome
+from doro_dialogue.rows import IN_ROW
 from doro_dialogue.scene import Scene
 from doro_dialogue.surface import counted, listed
+from doro_dialogue.which import ask_from_left
 from doro_schemas.graph import ObjectGraph, Relation
 from doro_schemas.messages.talk import SeenFrom, State
 
@@ -85,7 +87,19 @@ def _resolved(scene: Scene, outcome: Outcome, manner: Manner) -> Said:
     judged = _judged(scene, outcome.targets, graph)
     decision = Decision(graph, "CONFIRM", "unique_match", judged, judged)
     question = compose(decision, task=manner.task)
+    if side := _side_of(scene, outcome.targets[0]):
+        what = question.parts[0].text
+        aside = side if side.startswith("the ") else f"the one {side}"
+        wordings = [one.replace(what, f"{what}, {aside}", 1) for one in question.wordings]
+        part = msgspec.structs.replace(question.parts[0], text=f"{what}, {side}")
+        question = Question([part], wordings)
     return _say(question, "CONFIRM", "answered", manner)
+
+
+def _side_of(scene: Scene, name: str) -> str:
+    """Return the side at which the question put an instance, or nothing."""
+    found = (IN_ROW.search(group.text) for group in scene.groups if name in group.instance_ids)
+    return next((match[1] for match in found if match), "")
 
 
 def _several(scene: Scene, outcome: Outcome, manner: Manner) -> Said:
@@ -118,7 +132,9 @@ def _again(scene: Scene, outcome: Outcome, manner: Manner) -> Said:
         parts = [Part(one.instance_ids, one.text, one.graph) for one in scene.groups]
         text = note + scene.text.removeprefix(SORRY)
         return Said(text, parts, scene.state, "ask_again")
-    said = _which(scene, ids, manner)
+    if outcome.sides and (row := _from_left(scene, ids, manner)) is not None:
+        return row
+    said = _which(scene, ids, manner, outcome.graph)
     return msgspec.structs.replace(said, text=note + said.text)
 
 
@@ -134,8 +150,19 @@ def ask_reading_again(split: Split, manner: Manner) -> Said:
     return Said(text, question.parts, "INFORM-AMBIGUITY", "readings")
 
 
-def _which(scene: Scene, ids: Sequence[str], manner: Manner) -> Said:
+def _from_left(scene: Scene, ids: Sequence[str], manner: Manner) -> Said | None:
     judged = _judged(scene, ids, scene.said)
+    decision = Decision(scene.said, "INFORM-AMBIGUITY", "several_match", judged, judged)
+    question = ask_from_left(decision, carries(manner.task))
+    return _say(question, "INFORM-AMBIGUITY", "ask_again", manner) if question else None
+
+
+def _which(
+    scene: Scene, ids: Sequence[str], manner: Manner, graph: ObjectGraph | None = None
+) -> Said:
+    """Ask which of these, with the person's own words where they hold."""
+    own = {**scene.said.attributes, **(graph.attributes if graph is not None else {})}
+    judged = _judged(scene, ids, ObjectGraph(scene.said.name, own))
     decision = Decision(scene.said, "INFORM-AMBIGUITY", "several_match", judged, judged)
     question = compose(decision, task=manner.task)
     return _say(question, "INFORM-AMBIGUITY", "ask_again", manner)

@@ -15,7 +15,7 @@ import msgspec
 from doro_dialogue.acts import Heard
 from doro_dialogue.facts import value_of
 from doro_dialogue.matching import is_room
-from doro_dialogue.pick_out import Found, Graphs, alternative
+from doro_dialogue.pick_out import Found, Graphs, alternative, row_of_groups
 from doro_dialogue.scene import Scene
 from doro_schemas.graph import ObjectGraph
 
@@ -34,6 +34,7 @@ class Outcome(msgspec.Struct, frozen=True):
         graph: what was described, where one description decided.
         replaced: another object is wanted: to be decided anew.
         repeat: the person wants to hear it again.
+        sides: the person named a side, and the question had none.
     """
 
     action: Action
@@ -42,6 +43,7 @@ class Outcome(msgspec.Struct, frozen=True):
     graph: ObjectGraph | None = None
     replaced: ObjectGraph | None = None
     repeat: bool = False
+    sides: bool = False
 
 
 ASK = Outcome("ask_again")
@@ -53,7 +55,9 @@ def resolve(scene: Scene, heard: Heard, graphs: Graphs) -> Outcome:
     Args:
         graphs: the parser's graph by text, for every text of ``heard.texts``.
     """
-    if heard.act == "describe":
+    # "Right" is a side where the question named sides, and a "yes" elsewhere.
+    sides = heard.act == "yes" and bool(heard.alternatives) and bool(row_of_groups(scene))
+    if heard.act == "describe" or sides:
         return _described(scene, heard, graphs)
     acts: dict[str, Callable[[], Outcome]] = {
         "cancel": lambda: Outcome("cancelled"),
@@ -106,9 +110,17 @@ def _described(scene: Scene, heard: Heard, graphs: Graphs) -> Outcome:
     other = _other_object(scene, heard, graphs)
     if other is not None:
         return other
+    sided = any(phrase.side for phrases in heard.alternatives for phrase in phrases)
+    if sided and not row_of_groups(scene):
+        return Outcome("ask_again", sides=True)
     found = [alternative(scene, phrases, graphs) for phrases in heard.alternatives]
     if len(found) == 1:
         return _one(scene, heard, found[0])
+    return _joined(scene, heard, found)
+
+
+def _joined(scene: Scene, heard: Heard, found: list[Found]) -> Outcome:
+    """Resolve several alternatives ("the red one and the blue one")."""
     union = [one for one in scene.ids if any(one in each.holds for each in found)]
     if any(not each.holds for each in found):
         return ASK

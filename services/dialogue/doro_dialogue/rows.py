@@ -6,6 +6,7 @@ things are seen; the question names sides only with it (``Query.seen_from``).
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from itertools import pairwise
 
@@ -21,6 +22,9 @@ SIDES = {
 }
 FROM_LEFT = ("first", "second", "third", "fourth", "fifth", "sixth")
 MAX_ROW = len(FROM_LEFT)
+IN_ROW = re.compile(r", (on the (?:left|right)|in the middle|the \w+ from the left)$")
+"""How the clause of something in a row ends."""
+
 MAX_OVERLAP = 0.25
 """Share of the narrower box by which two neighbors may overlap and still be side by side."""
 
@@ -31,7 +35,7 @@ class Row(msgspec.Struct, frozen=True):
     Attributes:
         ids: from left to right.
         sides: what each is called ("on the left").
-        words: all of it in a sentence ("one on the left and one on the right").
+        words: all of it in a sentence ("one on the left and one on the right as I saw them").
         seen_from: the view.
     """
 
@@ -65,9 +69,10 @@ def _row(ids: list[str], seen_from: SeenFrom) -> Row:
     if count in SIDES:
         sides = list(SIDES[count])
         each = [f"one {side}" for side in sides]
-        return Row(ids, sides, f"{', '.join(each[:-1])} and {each[-1]}", seen_from)
+        words = f"{', '.join(each[:-1])} and {each[-1]} as I saw them"
+        return Row(ids, sides, words, seen_from)
     sides = [f"the {number} from the left" for number in FROM_LEFT[:count]]
-    return Row(ids, sides, "side by side", seen_from)
+    return Row(ids, sides, "side by side, counted from the left as I saw them", seen_from)
 
 
 def _view_in(one: Candidate, view: Evidence) -> Evidence | None:

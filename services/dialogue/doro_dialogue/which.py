@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import msgspec
+
 from doro_dialogue.crowd import MAX_NAMED, Bunch, bunches
 from doro_dialogue.decision import Decision
 from doro_dialogue.discriminate import Group, discriminate
@@ -32,7 +34,7 @@ def ask_which(decision: Decision, carries: bool) -> Question:
     The own words of the person come along where they hold ("one red cup on top of the
     table" for "the red cup"): without them it is not said that these are red. Twins that one
     view shows side by side are told apart by side. More than a person can keep in mind are
-    told by kind ("twelve cups: five red, four blue, and three others").
+    told by kind ("twelve cups: five red, four blue, and three more").
     """
     groups = discriminate([one.candidate for one in decision.offered])
     if len(groups) > MAX_NAMED:
@@ -43,7 +45,7 @@ def ask_which(decision: Decision, carries: bool) -> Question:
     for group in groups:
         part = _part(group, _echo(decision, group.ids), alone=alone)
         row = rows.get(group.ids[0])
-        texts.append(part.text if row is None else f"{part.text}, {row.words} as I saw them")
+        texts.append(part.text if row is None else f"{part.text}, {row.words}")
         parts += [part] if row is None else _sides(part, row)
     suffixes = _which_suffixes(carries)
     if alone and not rows:
@@ -52,6 +54,24 @@ def ask_which(decision: Decision, carries: bool) -> Question:
     found = ", and ".join(_series(texts)) + _note(decision)
     seen_from = next((row.seen_from for row in rows.values()), None)
     return Question(parts, [f"I found {found}; {one}" for one in suffixes], seen_from)
+
+
+def ask_from_left(decision: Decision, carries: bool) -> Question | None:
+    """Name each from left to right in the view that shows all; None where there is none."""
+    row = row_of([one.candidate for one in decision.offered])
+    if row is None:
+        return None
+    groups = discriminate([one.candidate for one in decision.offered])
+    parts = {
+        name: _part(msgspec.structs.replace(group, ids=[name]), [], alone=False)
+        for group in groups
+        for name in group.ids
+    }
+    ordered = [parts[name] for name in row.ids]
+    found = ", and ".join(_series([part.text for part in ordered]))
+    text = f"From left to right, as I saw them, I found {found}"
+    wordings = [f"{text}; {suffix}" for suffix in _which_suffixes(carries)]
+    return Question(ordered, wordings, row.seen_from)
 
 
 def _rows(decision: Decision, groups: Sequence[Group]) -> dict[str, Row]:
@@ -96,8 +116,10 @@ def _ask_crowd(decision: Decision, carries: bool) -> Question:
 def _bunch_part(bunch: Bunch, name: str, echo: list[Fact]) -> Part:
     facts = [*echo, *([bunch.fact] if bunch.fact is not None else [])]
     graph = graph_with(bunch.name or name, facts)
-    other = bunch.fact is None and not bunch.name
-    text = counted(graph, len(bunch.ids), other=other, alike=False)
+    text = counted(graph, len(bunch.ids), alike=False)
+    if bunch.fact is None and not bunch.name:
+        # Not "other": "the other one" would be too short for one that nobody has described.
+        text = text.replace(" ", " more ", 1)
     return Part(bunch.ids, text, graph)
 
 
