@@ -17,10 +17,14 @@ SAME_NAME = {
     "telly": "television",
     "tv monitor": "television",
     "tvmonitor": "television",
+    "tv set": "television",
+    "television set": "television",
     "fridge": "refrigerator",
     "armchair": "arm chair",
     "cellphone": "cell phone",
     "mobile phone": "cell phone",
+    "smartphone": "cell phone",
+    "smart phone": "cell phone",
     "remote": "remote control",
     "tv remote": "remote control",
     "tv remote control": "remote control",
@@ -29,9 +33,21 @@ SAME_NAME = {
     "trash can": "garbage can",
     "trashcan": "garbage can",
     "dustbin": "garbage can",
+    "dust bin": "garbage can",
+    "trash bin": "garbage can",
+    "garbage bin": "garbage can",
+    "rubbish bin": "garbage can",
+    "waste bin": "garbage can",
     "houseplant": "house plant",
     "potted plant": "house plant",
     "pottedplant": "house plant",
+    "pot plant": "house plant",
+    "coffee maker": "coffee machine",
+    "coffeemaker": "coffee machine",
+    "bath tub": "bathtub",
+    "book shelf": "bookshelf",
+    "book case": "bookcase",
+    "bed side table": "bedside table",
     "counter": "counter top",
     "countertop": "counter top",
     "nightstand": "night stand",
@@ -41,6 +57,9 @@ SAME_NAME = {
 }
 SAME_VALUE = {
     "grey": "gray",
+    "greyish": "grayish",
+    "silvery": "silver",
+    "aluminium": "aluminum",
     "wooden": "wood",
     "metallic": "metal",
     "golden": "gold",
@@ -53,20 +72,43 @@ SAME_VALUE = {
 IRREGULAR_PLURAL = {
     "knives": "knife",
     "shelves": "shelf",
+    "bookshelves": "bookshelf",
     "loaves": "loaf",
     "leaves": "leaf",
+    "scarves": "scarf",
+    "halves": "half",
+    "wolves": "wolf",
     "mice": "mouse",
+    "geese": "goose",
     "buses": "bus",
+    "gases": "gas",
+    "lenses": "lens",
+    "canvases": "canvas",
+    "axes": "axe",
+    "quizzes": "quiz",
+    "heroes": "hero",
+    "mangoes": "mango",
+    "tvs": "tv",
     "people": "person",
+    "men": "man",
+    "women": "woman",
     "children": "child",
     "feet": "foot",
     "teeth": "tooth",
+    "cacti": "cactus",
+    "cookies": "cookie",
+    "brownies": "brownie",
+    "movies": "movie",
+    "hoodies": "hoodie",
+    "smoothies": "smoothie",
+    "veggies": "veggie",
 }
 NO_SINGULAR = frozenset(
     """
     glass dress brass grass canvas bus gas lens compass mattress cactus chess scissors glasses
-    pants jeans tongs pliers binoculars headphones news series clothes apparatus walrus plus
-    less thermos trellis iris tennis christmas stairs blinds keys
+    pants jeans trousers shorts tights leggings pajamas skis sunglasses goggles tongs pliers
+    binoculars headphones news series clothes apparatus walrus plus less thermos
+    trellis iris tennis christmas stairs blinds keys
     """.split()  # noqa: SIM905 - a list of 40 quoted words is harder to read and to extend
 )
 
@@ -104,7 +146,7 @@ def canonical_name(name: str) -> str:
 
 def canonical_value(value: str) -> str:
     """Return the canonical form of an attribute's value ("dark grey" -> "dark gray")."""
-    words = re.sub(r"[\s_]+", " ", value.strip().lower()).split(" ")
+    words = re.sub(r"[\s_-]+", " ", value.strip().lower()).split(" ")
     return " ".join(SAME_VALUE.get(word, word) for word in words)
 
 

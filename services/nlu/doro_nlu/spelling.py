@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 _COLORS = """
 red green blue yellow white black brown gray grey orange pink purple silver gold golden beige cyan
 magenta turquoise violet maroon navy teal tan cream olive lavender crimson scarlet indigo aqua
@@ -21,8 +23,10 @@ VALUES = {"color": frozenset(_COLORS.split()), "material": frozenset(_MATERIALS.
 _LETTERS = "abcdefghijklmnopqrstuvwxyz"
 _SHORTEST = 4
 _LONGEST = 14
+_REMEMBERED = 4096
 
 
+@lru_cache(_REMEMBERED)
 def repair(value: str, kind: str) -> str:
     """Return a lower-case value with each unknown word replaced by the one known word that is
     two letters swapped, a letter lost, added or replaced away (the first of these that fits);
