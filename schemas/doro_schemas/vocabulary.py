@@ -103,13 +103,19 @@ IRREGULAR_PLURAL = {
     "smoothies": "smoothie",
     "veggies": "veggie",
 }
-NO_SINGULAR = frozenset(
+PAIRS = frozenset(
     """
-    glass dress brass grass canvas bus gas lens compass mattress cactus chess scissors glasses
-    pants jeans trousers shorts tights leggings pajamas skis sunglasses goggles tongs pliers
-    binoculars headphones news series clothes apparatus walrus plus less thermos
-    trellis iris tennis christmas stairs blinds keys
-    """.split()  # noqa: SIM905 - a list of 40 quoted words is harder to read and to extend
+    scissors glasses sunglasses goggles pants jeans trousers shorts tights leggings pajamas skis
+    tongs pliers binoculars headphones
+    """.split()  # noqa: SIM905 - a list of quoted words is harder to read and to extend
+)
+"""Things that are a pair, named in the plural: "a pair of scissors"."""
+
+NO_SINGULAR = PAIRS | frozenset(
+    """
+    glass dress brass grass canvas bus gas lens compass mattress cactus chess news series clothes
+    apparatus walrus plus less thermos trellis iris tennis christmas stairs blinds keys
+    """.split()  # noqa: SIM905
 )
 
 DRINKS = frozenset(["wine", "drinking", "shot", "champagne", "water", "beer", "cocktail", "juice"])

@@ -21,14 +21,13 @@ from doro_dialogue.facts import (
     words,
 )
 from doro_schemas.graph import ObjectGraph, Relation
-from doro_schemas.vocabulary import IRREGULAR_PLURAL
+from doro_schemas.vocabulary import IRREGULAR_PLURAL, PAIRS
 
 RELATION_WORDS = {"is-on": "on top of", "is-near": "near", "is-at": "in"}
 NUMBERS = (
     *("no", "one", "two", "three", "four", "five", "six"),
     *("seven", "eight", "nine", "ten", "eleven", "twelve"),
 )
-PAIR = words("scissors glasses sunglasses pants jeans tongs pliers binoculars headphones")
 SET = words("clothes blinds stairs keys chess")
 UNCOUNTED = words("bread lettuce soap water milk coffee tea food furniture cutlery paper clothing")
 SAME_PLURAL = words("series news apparatus")
@@ -50,7 +49,7 @@ def plural(name: str) -> str:
 
 def is_plural(name: str) -> bool:
     """Tell whether a class name is a plural by itself ("scissors")."""
-    return name.rsplit(" ", maxsplit=1)[-1] in PAIR | SET
+    return name.rsplit(" ", maxsplit=1)[-1] in PAIRS | SET
 
 
 def counted(graph: ObjectGraph, count: int = 1, *, other: bool = False, alike: bool = True) -> str:
@@ -94,7 +93,7 @@ def listed(parts: Sequence[str], last: str = " and ") -> str:
 def _phrase(before: list[str], graph: ObjectGraph, count: int) -> str:
     """Join determiners, adjectives, noun and relations; pairs and sets get their measure."""
     name = _name(graph)
-    measure = "pair" if name.split(" ")[-1] in PAIR else "set" if is_plural(name) else ""
+    measure = "pair" if name.split(" ")[-1] in PAIRS else "set" if is_plural(name) else ""
     if measure:
         before = [*before, measure if count == 1 else measure + "s", "of"]
     noun = name if measure or count == 1 else plural(name)
