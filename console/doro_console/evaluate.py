@@ -8,7 +8,9 @@ import click
 from rich.console import Console
 from rich.progress import Progress
 
+from doro_console.counting import chairs, counting
 from doro_console.options import says_refusals, talk
+from doro_console.queries import queries
 
 JSON = click.Path(path_type=Path, dir_okay=False)
 FOLDER = click.Path(path_type=Path, file_okay=False, exists=True)
@@ -40,3 +42,7 @@ def tagging(gold: Path | None, bert_base: Path | None, seed: int, json_path: Pat
             progress.update(task, advance=1)
     Console().print(table_of(reports))
     write_figures(json_path, figures_of(reports), f"doro eval tagging --seed {seed}", seed)
+
+
+for command in (counting, chairs, queries):
+    evaluate.add_command(command)
