@@ -19,7 +19,7 @@ def test_the_bed_and_the_chairs_of_walk_nine(tmp_path: Path) -> None:
     (walk,) = [task for task in folder.tasks if task.startswith("task_9")]
     path = tmp_path / "walk.mcap"
     write_recording(path, folder.messages([walk], "walk-9"))
-    with Chain(settings=["perception.backend=onnx"]) as chain:
+    with Chain(settings=["perception.backend=coco"]) as chain:
         chain.say("find the bed")
         report = chain.play(path)
         assert (report.frames, report.merged) == (40, 40)

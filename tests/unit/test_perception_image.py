@@ -107,7 +107,7 @@ def test_boxes_are_clipped_and_what_is_left_of_nothing_goes() -> None:
         Detection(box_px=(63.0, 0.0, 90.0, 40.0), score=0.8, name="bed"),
         Detection(box_px=(float("nan"), 0.0, 30.0, 40.0), score=0.8, name="bed"),
     )
-    core = Perception(PerceptionSettings(backend="onnx", colour=False), backend)
+    core = Perception(PerceptionSettings(backend="coco", colour=False), backend)
     (output,) = core.color_frame(frame(picture(), "rgb8"))
     assert isinstance(output, FrameCaptions)
     (box,) = output.detections

@@ -15,20 +15,28 @@ Box = tuple[float, float, float, float]
 """``(xmin, ymin, xmax, ymax)``, edges, pixels."""
 
 
+Shares = tuple[tuple[str, float], ...]
+"""(word, probability) of the likeliest words, best first; they sum to at most 1."""
+
+
 class Detection(msgspec.Struct, frozen=True):
     """One thing that a backend sees.
 
     Attributes:
         box_px: edges in pixels; may stand out of the image, the core clips it.
         score: 0..1.
-        name: canonical class name ("dining table").
-        classes: (name, share) of the likeliest classes, best first; shares sum to at most 1.
+        name: canonical class name ("dining table"); empty: something that cannot be named.
+        classes: of the likeliest classes.
+        colors, materials: of the attributes, where the backend knows them; with ``colors`` None
+            the core names the colour of the pixels.
     """
 
     box_px: Box
     score: float
     name: str
-    classes: tuple[tuple[str, float], ...] = ()
+    classes: Shares = ()
+    colors: Shares | None = None
+    materials: Shares = ()
 
 
 class DetectionBackend(Protocol):
@@ -40,6 +48,10 @@ class DetectionBackend(Protocol):
         Args:
             rgb: uint8 (height, width, 3).
         """
+        ...
+
+    def warm_up(self) -> None:
+        """Look at a gray image, so that the first frame is not the slowest."""
         ...
 
 
@@ -59,6 +71,15 @@ def big_enough(box_px: list[float], min_side_px: float, min_area_px: float) -> b
     width, height = box_px[2] - box_px[0], box_px[3] - box_px[1]
     side = min(width, height)
     return side > 0 and side >= min_side_px and width * height >= min_area_px
+
+
+def suppressed(boxes: NDArray[Any], scores: NDArray[Any], iou: float) -> list[int]:
+    """Return the indices of the best boxes that overlap no better one by more than ``iou``."""
+    kept: list[int] = []
+    for index in np.argsort(-scores, kind="stable"):
+        if not kept or intersection_over_union(boxes[index], boxes[kept]).max() <= iou:
+            kept.append(int(index))
+    return kept
 
 
 def intersection_over_union(box: NDArray[Any], boxes: NDArray[Any]) -> NDArray[np.float64]:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
+from doro_perception.backends import make_backend
 from doro_perception.core import Perception
-from doro_perception.onnx_ssd import OnnxSsd
 from doro_perception.settings import PerceptionSettings
+from doro_perception.stages import Stages
 from doro_schemas.detector_errors import read_pool
-from doro_schemas.messages import ColorFrame, SimDetections
+from doro_schemas.messages import ColorFrame, DepthFrame, SimDetections
 from doro_schemas.runner import Shell, run_service
 
 
@@ -19,10 +21,14 @@ def wire(shell: Shell, settings: PerceptionSettings) -> None:
         core = Perception(settings, pool=pool)
         shell.on(SimDetections, core.sim_detections)
     else:
-        detector = OnnxSsd(settings)
-        detector.warm_up()
-        core = Perception(settings, detector)
+        stages = Stages(time.perf_counter)
+        detector = make_backend(settings, stages)
+        if detector is not None:
+            detector.warm_up()
+        core = Perception(settings, detector, stages=stages)
         shell.on(ColorFrame, core.color_frame)
+        if settings.relations == "depth":
+            shell.on(DepthFrame, core.depth_frame)
     shell.counters(lambda: core.counters)
 
 

@@ -54,7 +54,9 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     """What perception may be told.
 
     Attributes:
-        backend: ``oracle`` says what the simulator knows; ``onnx`` looks at the images.
+        backend: ``oracle`` says what the simulator knows; the others look at the images:
+            ``captioner`` (trained on rendered rooms), ``coco`` (the SSDLite as it comes),
+            ``onnx`` (a detector of your own).
         emit: ``captions`` (English) or ``graphs``.
         min_side_px, min_area_px: smaller boxes are left out (after clipping to the image).
         leave_out: AI2-THOR objectTypes that the oracle never reports; they stay landmarks.
@@ -76,12 +78,23 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
         stretch: stretch the contrast of what the detector sees (dim rooms).
         second_looks: look once more, closely, at this many of the best candidates; then only
             what is seen there counts. 0: what is seen at first counts.
-        onnx_leave_out: canonical names of classes that the detector is not to report.
-        top_classes: length of the class distribution that goes with each detection.
-        colour: name the colour of each crop.
+        coco_leave_out: canonical names of classes that ``coco`` is not to report.
+        top_classes, top_attributes: length of the distributions that go with each detection.
+        colour: name the colour of each crop, where the backend does not know it.
+        captioner: folder with other models of the captioner; empty: the packaged ones.
+        captioner_leave_out: canonical names of classes that the captioner is not to report.
+        captioner_threshold: calibrated scores below it are not reported as detections.
+        candidate_score: proposals below it are not looked at.
+        max_boxes: at most so many proposals of a frame are looked at, the best ones.
+        unnamed_threshold: what is surely there and has no name is reported from here on; above
+            1: never.
+        attribute_threshold: a colour or material less probable than this is not said.
+        relations: relations between things seen in one image: ``off`` (the map finds them),
+            ``boxes`` (from the boxes), ``depth`` (in metres, where the frame has depth).
+        detector: the TOML file that describes your own detector (backend ``onnx``).
     """
 
-    backend: Literal["oracle", "onnx"] = "oracle"
+    backend: Literal["oracle", "captioner", "coco", "onnx"] = "oracle"
     emit: Literal["captions", "graphs"] = "captions"
     min_side_px: float = 6.0
     min_area_px: float = 50.0
@@ -100,14 +113,27 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     tiles: Literal[0, 2, 3] = 2
     stretch: bool = True
     second_looks: int = 8
-    onnx_leave_out: tuple[str, ...] = NOT_HOUSEHOLD
+    coco_leave_out: tuple[str, ...] = NOT_HOUSEHOLD
     top_classes: int = 5
+    top_attributes: int = 3
     colour: bool = True
+    captioner: str = ""
+    captioner_leave_out: tuple[str, ...] = ("window",)
+    captioner_threshold: float = 0.35
+    candidate_score: float = 0.08
+    max_boxes: int = 20
+    unnamed_threshold: float = 0.5
+    attribute_threshold: float = 0.5
+    relations: Literal["off", "boxes", "depth"] = "off"
+    detector: str = ""
 
     def __post_init__(self) -> None:
-        shares = (self.score_threshold, self.nms_iou, self.max_area_share)
+        shares = [self.score_threshold, self.nms_iou, self.max_area_share, self.candidate_score]
+        shares += [self.captioner_threshold, self.attribute_threshold]
         if not all(0.0 <= share <= 1.0 for share in [*shares, *self.class_thresholds.values()]):
             raise ValueError("thresholds, nms_iou and max_area_share must be in 0..1")
+        if not 1 <= self.max_boxes <= 100:
+            raise ValueError(f"max_boxes must be in 1..100, got {self.max_boxes}")
         if not 1 <= self.threads <= 64:
             raise ValueError(f"threads must be in 1..64, got {self.threads}")
         counts = (self.min_side_px, self.min_area_px, self.top_classes, self.second_looks)

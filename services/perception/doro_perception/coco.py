@@ -11,9 +11,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from doro_perception.backend import Detection, RgbImage, intersection_over_union
-from doro_perception.onnx_model import SIDE_PX, SsdModel
+from doro_perception.backend import Detection, RgbImage, suppressed
+from doro_perception.coco_model import SIDE_PX, SsdModel
 from doro_perception.settings import PerceptionSettings
+from doro_perception.stages import Stages
 
 TILE_SHARE = {2: 0.625, 3: 0.5}
 # A tile sees a part of a thing as a whole thing: a box that ends at an inner edge is dropped.
@@ -32,15 +33,16 @@ Seen = tuple[FloatArray, FloatArray]
 """Boxes (n, 4) px of the image, and scores (n, classes)."""
 
 
-class OnnxSsd:
+class CocoSsd:
     """The detector; loading checks the model.
 
     Raises:
-        Refused: see :class:`doro_perception.onnx_model.SsdModel`.
+        Refused: see :class:`doro_perception.coco_model.SsdModel`.
     """
 
-    def __init__(self, settings: PerceptionSettings) -> None:
+    def __init__(self, settings: PerceptionSettings, stages: Stages | None = None) -> None:
         self._settings = settings
+        self._stages = stages or Stages()
         self._model = SsdModel(settings)
         self.names = self._model.names
         default = settings.score_threshold
@@ -58,13 +60,14 @@ class OnnxSsd:
         if self._settings.second_looks:
             seen = self._second_looks(rgb, _joined(seen))
         boxes, scores = _joined(seen)
+        self._stages.lap("model")
         passing = np.where(scores >= self._thresholds, scores, 0.0)
         best = passing.max(axis=1, initial=0.0)
         good = best > 0
         boxes, scores, passing, best = boxes[good], scores[good], passing[good], best[good]
         return [
             self._detection(boxes[index], scores[index], int(passing[index].argmax()))
-            for index in _suppressed(boxes, best, self._settings.nms_iou)
+            for index in suppressed(boxes, best, self._settings.nms_iou)
         ]
 
     def _views(self, height_px: int, width_px: int) -> list[View]:
@@ -85,7 +88,7 @@ class OnnxSsd:
         """Look closely at the best candidates of the first look."""
         boxes, scores = candidates
         best = scores.max(axis=1, initial=0.0)
-        chosen = _suppressed(boxes, best, CANDIDATE_IOU)[: self._settings.second_looks]
+        chosen = suppressed(boxes, best, CANDIDATE_IOU)[: self._settings.second_looks]
         seen = [(boxes[:0], scores[:0])]
         for index in chosen:
             view = _close_up(boxes[index], rgb.shape[0], rgb.shape[1])
@@ -131,15 +134,6 @@ class OnnxSsd:
 def _joined(seen: list[Seen]) -> Seen:
     """Return what several views show as one."""
     return np.concatenate([boxes for boxes, _ in seen]), np.concatenate([rows for _, rows in seen])
-
-
-def _suppressed(boxes: FloatArray, scores: FloatArray, iou: float) -> list[int]:
-    """Return the indices of the best boxes that overlap no better one by more than ``iou``."""
-    kept: list[int] = []
-    for index in np.argsort(-scores, kind="stable"):
-        if not kept or intersection_over_union(boxes[index], boxes[kept]).max() <= iou:
-            kept.append(int(index))
-    return kept
 
 
 def _close_up(box: FloatArray, height_px: int, width_px: int) -> View:

@@ -5,48 +5,25 @@ See models/coco_ssdlite/MODEL_CARD.md.
 
 from __future__ import annotations
 
-import hashlib
 from pathlib import Path
-from typing import Any
 
 import cv2
 import numpy as np
-import onnxruntime as ort
 from numpy.typing import NDArray
-from onnxruntime.capi.onnxruntime_pybind11_state import (
-    EPFail,
-    Fail,
-    InvalidArgument,
-    InvalidGraph,
-    InvalidProtobuf,
-    NoSuchFile,
-    RuntimeException,
-)
-from onnxruntime.capi.onnxruntime_pybind11_state import (
-    NotImplemented as OpNotImplemented,
-)
 
 from doro_perception.backend import RgbImage
+from doro_perception.sessions import Session
 from doro_perception.settings import PerceptionSettings
 from doro_schemas.errors import Refused
 from doro_schemas.vocabulary import canonical_name
 
-ORT_ERRORS = (
-    EPFail,
-    Fail,
-    InvalidArgument,
-    InvalidGraph,
-    InvalidProtobuf,
-    NoSuchFile,
-    OpNotImplemented,
-    RuntimeException,
-)
 PACKAGED_MODEL = Path(__file__).parent / "models" / "coco_ssdlite" / "coco_ssd_lite.onnx"
 CLASSES_FILE = "coco_classes.txt"
 INPUT = "image_tensor:0"
 BOXES = "Postprocessor/ExpandDims_1:0"
 SCORES = "Postprocessor/Slice:0"
 SIDE_PX = 300
+ADVICE = "set perception.model to the detector's file, or leave it empty"
 STRETCH_PERCENTILES = (1.0, 99.0)
 # A flat wall is not stretched to full contrast.
 MIN_STRETCH_RANGE = 60.0
@@ -66,14 +43,16 @@ class SsdModel:
         path = Path(settings.model) if settings.model else PACKAGED_MODEL
         self._path = path
         self._stretch = settings.stretch
-        self._session = _load(path, settings.threads)
+        self._session = Session(path, settings.threads, ADVICE)
+        kinds = {BOXES: "tensor(float)", SCORES: "tensor(float)"}
+        self._session.need({INPUT: "tensor(uint8)"}, kinds)
         names = _read_classes(path.with_name(CLASSES_FILE))
-        left_out = {"", *settings.onnx_leave_out}
+        left_out = {"", *settings.coco_leave_out}
         self._class_count = len(names)
         self._columns = [column for column, name in enumerate(names) if name not in left_out]
         self.names = [names[column] for column in self._columns]
         if not self.names:
-            raise Refused("perception.onnx_leave_out leaves no class: remove some names from it")
+            raise Refused("perception.coco_leave_out leaves no class: remove some names from it")
 
     def run(self, part: RgbImage) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return boxes (n, 4) xmin, ymin, xmax, ymax as shares of ``part``, and scores."""
@@ -83,14 +62,7 @@ class SsdModel:
         pixels = small.astype(np.uint8, copy=False)
         if self._stretch:
             pixels = stretched(pixels)
-        try:
-            outputs: list[Any] = self._session.run([BOXES, SCORES], {INPUT: pixels[None]})
-        except ORT_ERRORS as error:
-            raise Refused(
-                f"model {self._path.name} fails on an image ({_first_line(error)}):"
-                " use the model that comes with the package"
-            ) from error
-        raw_boxes, raw_scores = outputs
+        raw_boxes, raw_scores = self._session.run([BOXES, SCORES], {INPUT: pixels[None]})
         anchors = raw_boxes.shape[1]
         if raw_boxes.shape != (1, anchors, 1, 4) or raw_scores.shape != (
             1,
@@ -117,45 +89,6 @@ def stretched(rgb: RgbImage) -> RgbImage:
     return result
 
 
-def _load(path: Path, threads: int) -> Any:
-    """Return the checked session of a model file."""
-    advice = "set perception.model to the detector's file, or leave it empty"
-    if not path.is_file():
-        raise Refused(f"model file {path} is missing: {advice}")
-    data = path.read_bytes()
-    checksum = path.with_name(path.name + ".sha256")
-    if checksum.is_file():
-        expected = checksum.read_text(encoding="utf-8").split()[:1]
-        if [hashlib.sha256(data).hexdigest()] != expected:
-            raise Refused(
-                f"model file {path} is corrupt: it does not have the sha256 of {checksum.name};"
-                " install the package again"
-            )
-    options = ort.SessionOptions()  # type: ignore[attr-defined]
-    options.intra_op_num_threads = threads
-    options.inter_op_num_threads = 1
-    options.log_severity_level = 4
-    try:
-        session = ort.InferenceSession(  # type: ignore[attr-defined]
-            data, options, providers=["CPUExecutionProvider"]
-        )
-    except ORT_ERRORS as error:
-        raise Refused(
-            f"model file {path} is no ONNX model that can be run ({_first_line(error)}): {advice}"
-        ) from error
-    inputs = [(value.name, value.type) for value in session.get_inputs()]
-    outputs = {value.name: value.type for value in session.get_outputs()}
-    wanted = {BOXES: "tensor(float)", SCORES: "tensor(float)"}
-    if inputs != [(INPUT, "tensor(uint8)")] or any(
-        outputs.get(name) != kind for name, kind in wanted.items()
-    ):
-        raise Refused(
-            f"model file {path} takes {[name for name, _ in inputs]} and gives {list(outputs)},"
-            f" but the detector takes uint8 '{INPUT}' and gives '{BOXES}' and '{SCORES}': {advice}"
-        )
-    return session
-
-
 def _read_classes(path: Path) -> list[str]:
     """Return the canonical name of each score column; empty where COCO has none."""
     try:
@@ -165,8 +98,3 @@ def _read_classes(path: Path) -> list[str]:
             f"class list {path} cannot be read: put one name per line beside the model"
         ) from error
     return ["" if line.strip() in {"", "-"} else canonical_name(line) for line in lines]
-
-
-def _first_line(error: Exception) -> str:
-    """Return the first line of onnxruntime's message, short."""
-    return (str(error).splitlines() or ["no reason given"])[0][:120]

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from doro_perception.backend import RgbImage, intersection_over_union
+from doro_perception.coco import CocoSsd
+from doro_perception.coco_model import CLASSES_FILE, PACKAGED_MODEL, stretched
 from doro_perception.core import Perception
-from doro_perception.onnx_model import CLASSES_FILE, PACKAGED_MODEL, stretched
-from doro_perception.onnx_ssd import OnnxSsd
 from doro_perception.settings import NOT_HOUSEHOLD, STRUCTURE, PerceptionSettings
 from doro_schemas.errors import Refused
 from doro_schemas.messages import ColorFrame, FrameCaptions
@@ -48,15 +48,15 @@ def synthetic_clock(side_px: int = 300) -> RgbImage:
 
 
 def settings(**values: object) -> PerceptionSettings:
-    return PerceptionSettings(backend="onnx", **values)
+    return PerceptionSettings(backend="coco", **values)
 
 
 @pytest.fixture(scope="module")
-def detector() -> OnnxSsd:
-    return OnnxSsd(settings())
+def detector() -> CocoSsd:
+    return CocoSsd(settings())
 
 
-def test_a_drawn_clock_is_seen_as_a_clock_where_it_is(detector: OnnxSsd) -> None:
+def test_a_drawn_clock_is_seen_as_a_clock_where_it_is(detector: CocoSsd) -> None:
     found = detector.detect(synthetic_clock())
     best = found[0]
     assert best.name == "clock"
@@ -68,7 +68,7 @@ def test_a_drawn_clock_is_seen_as_a_clock_where_it_is(detector: OnnxSsd) -> None
 
 
 @pytest.mark.parametrize("side", [(480, 640), (37, 900), (1, 1), (8, 8)])
-def test_any_image_size_works(detector: OnnxSsd, side: tuple[int, int]) -> None:
+def test_any_image_size_works(detector: CocoSsd, side: tuple[int, int]) -> None:
     image = np.full((*side, 3), 90, dtype=np.uint8)
     for detection in detector.detect(image):
         xmin, ymin, xmax, ymax = detection.box_px
@@ -77,7 +77,7 @@ def test_any_image_size_works(detector: OnnxSsd, side: tuple[int, int]) -> None:
 
 
 def test_boxes_of_whatever_class_do_not_cover_each_other() -> None:
-    found = OnnxSsd(settings(score_threshold=0.02, max_area_share=1.0)).detect(synthetic_clock())
+    found = CocoSsd(settings(score_threshold=0.02, max_area_share=1.0)).detect(synthetic_clock())
     assert len(found) > 3
     boxes = np.array([detection.box_px for detection in found])
     for index in range(len(boxes) - 1):
@@ -88,18 +88,18 @@ def test_boxes_of_whatever_class_do_not_cover_each_other() -> None:
 
 def test_class_thresholds_and_left_out_classes_count() -> None:
     names = lambda **values: {  # noqa: E731
-        found.name for found in OnnxSsd(settings(**values)).detect(synthetic_clock())
+        found.name for found in CocoSsd(settings(**values)).detect(synthetic_clock())
     }
     assert "clock" in names()
     assert "clock" not in names(class_thresholds={"clock": 0.999})
-    assert "clock" not in names(onnx_leave_out=("clock",))
+    assert "clock" not in names(coco_leave_out=("clock",))
     assert names(max_area_share=0.1) == set()
 
 
 def test_flip_finds_the_mirrored_thing_at_its_place() -> None:
     image = np.full((300, 500, 3), 170, dtype=np.uint8)
     image[:, :300] = synthetic_clock()
-    best = OnnxSsd(settings(flip=True, tiles=0)).detect(image)[0]
+    best = CocoSsd(settings(flip=True, tiles=0)).detect(image)[0]
     assert best.name == "clock"
     assert np.allclose(best.box_px, [75, 75, 225, 225], atol=25)
 
@@ -108,7 +108,7 @@ def test_same_bytes_out_twice() -> None:
     frame = ColorFrame(frame=0, height_px=300, width_px=300, data=synthetic_clock())
     encoded = []
     for _ in range(2):
-        core = Perception(settings(), OnnxSsd(settings()))
+        core = Perception(settings(), CocoSsd(settings()))
         encoded += [msgspec.msgpack.encode(core.color_frame(frame)) for _ in range(2)]
     assert len(set(encoded)) == 1
 
@@ -119,7 +119,7 @@ def test_stretching_leaves_a_flat_wall_flat() -> None:
     assert (stretched(ramp).min(), stretched(ramp).max()) == (0, 255)
 
 
-def test_names_are_household_names(detector: OnnxSsd) -> None:
+def test_names_are_household_names(detector: CocoSsd) -> None:
     names = detector.names
     assert {"dining table", "television", "house plant", "remote control", "sofa"} <= set(names)
     assert not {"diningtable", "tvmonitor", "pottedplant", "person", "airplane"} & set(names)
@@ -139,7 +139,7 @@ def test_the_packaged_file_is_the_one_of_the_model_card() -> None:
 
 def test_a_missing_model_is_refused(tmp_path: Path) -> None:
     with pytest.raises(Refused, match=r"nowhere\.onnx is missing: set perception\.model"):
-        OnnxSsd(settings(model=str(tmp_path / "nowhere.onnx")))
+        CocoSsd(settings(model=str(tmp_path / "nowhere.onnx")))
 
 
 def test_a_changed_model_is_refused(tmp_path: Path) -> None:
@@ -148,7 +148,7 @@ def test_a_changed_model_is_refused(tmp_path: Path) -> None:
     data[len(data) // 2] ^= 1
     path.write_bytes(bytes(data))
     with pytest.raises(Refused, match="is corrupt: it does not have the sha256"):
-        OnnxSsd(settings(model=str(path)))
+        CocoSsd(settings(model=str(path)))
 
 
 @pytest.mark.parametrize(
@@ -158,7 +158,7 @@ def test_what_is_no_onnx_is_refused(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "model.onnx"
     path.write_bytes(content)
     with pytest.raises(Refused, match=r"model\.onnx is no ONNX model that can be run") as caught:
-        OnnxSsd(settings(model=str(path)))
+        CocoSsd(settings(model=str(path)))
     assert "\n" not in caught.value.reason
 
 
@@ -167,33 +167,33 @@ def test_another_model_is_refused(tmp_path: Path) -> None:
     path = copy_model(tmp_path)
     path.with_name(path.name + ".sha256").unlink()
     path.write_bytes(path.read_bytes().replace(b"image_tensor:0", b"other_tensor:0"))
-    with pytest.raises(Refused, match=r"takes \['other_tensor:0'\] and gives"):
-        OnnxSsd(settings(model=str(path)))
+    with pytest.raises(Refused, match=r"takes tensor\(uint8\) 'other_tensor:0' and"):
+        CocoSsd(settings(model=str(path)))
 
 
 def test_a_class_list_that_does_not_fit_is_refused(tmp_path: Path) -> None:
     path = copy_model(tmp_path)
     path.with_name(CLASSES_FILE).write_text("cup\nbed\n", encoding="utf-8")
     with pytest.raises(Refused, match="for 2 classes"):
-        OnnxSsd(settings(model=str(path))).warm_up()
+        CocoSsd(settings(model=str(path))).warm_up()
     path.with_name(CLASSES_FILE).unlink()
     with pytest.raises(Refused, match=r"class list .* cannot be read"):
-        OnnxSsd(settings(model=str(path)))
+        CocoSsd(settings(model=str(path)))
 
 
-def test_leaving_out_every_class_is_refused(detector: OnnxSsd) -> None:
+def test_leaving_out_every_class_is_refused(detector: CocoSsd) -> None:
     with pytest.raises(Refused, match="leaves no class"):
-        OnnxSsd(settings(onnx_leave_out=(*NOT_HOUSEHOLD, *detector.names)))
+        CocoSsd(settings(coco_leave_out=(*NOT_HOUSEHOLD, *detector.names)))
 
 
 def test_settings_come_from_the_table(tmp_path: Path) -> None:
     path = tmp_path / "doro.toml"
     path.write_text(
-        '[perception]\nbackend = "onnx"\nleave_out = ["Floor"]\nclass_thresholds = {bed = 0.5}\n',
+        '[perception]\nbackend = "coco"\nleave_out = ["Floor"]\nclass_thresholds = {bed = 0.5}\n',
         encoding="utf-8",
     )
     read = load_settings("perception", PerceptionSettings, path, ["perception.tiles=3"])
-    assert (read.backend, read.leave_out, read.tiles) == ("onnx", ("Floor",), 3)
+    assert (read.backend, read.leave_out, read.tiles) == ("coco", ("Floor",), 3)
     assert read.class_thresholds == {"bed": 0.5}
     assert "Floor" in STRUCTURE
     for wrong in ("perception.backend=yolo", "perception.nms_iou=1.5", "perception.threads=0"):
@@ -210,7 +210,7 @@ def test_settings_come_from_the_table(tmp_path: Path) -> None:
     ],
 )
 def test_recorded_frames_show_what_is_there(
-    detector: OnnxSsd, walk: str, index: int, name: str, place: list[float]
+    detector: CocoSsd, walk: str, index: int, name: str, place: list[float]
 ) -> None:
     tasks = {frame["task"] for frame in json.loads((WALKS / "frames.json").read_text())["frames"]}
     (task,) = [name for name in tasks if name.startswith(walk)]

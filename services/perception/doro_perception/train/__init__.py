@@ -1,0 +1,1 @@
+"""Training of the captioner: a development step, needs the extra ``train``."""

@@ -1,0 +1,211 @@
+"""Trains one network: ``python -m doro_perception.train proposer|crops --data DIR --out DIR``.
+
+Resumable: a checkpoint is written every two minutes and taken up again; the learning rate falls
+with the time trained (``--minutes`` in total over all runs). The log says seed, command and loss.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+from torch.nn import functional
+
+from doro_perception.train import crops, proposer
+from doro_perception.train.backbone import read_weights, scaled
+from doro_perception.train.shards import Shards, prefetched
+
+SAVE_S, REFRESH_STEPS, LOG_STEPS = 120.0, 150, 25
+WARM_STEPS, LAST_SHARE = 60, 0.02
+COCO = Path(__file__).resolve().parents[1] / "models" / "coco_ssdlite" / "coco_ssd_lite.onnx"
+
+
+@dataclass
+class State:
+    """What a checkpoint holds besides the networks."""
+
+    steps: int = 0
+    trained_s: float = 0.0
+    recent: list[tuple[float, ...]] = field(default_factory=list)
+
+
+class Trainer:
+    """One network, its average (EMA), its optimiser and its checkpoint."""
+
+    def __init__(self, model: nn.Module, arguments: argparse.Namespace) -> None:
+        self.model = model.to(memory_format=torch.channels_last)
+        self.total_s = arguments.minutes * 60
+        self.path = arguments.out / f"{arguments.network}.pt"
+        backbone = [p for n, p in model.named_parameters() if n.startswith("backbone.")]
+        heads = [p for n, p in model.named_parameters() if not n.startswith("backbone.")]
+        self.rates = [arguments.rate, arguments.rate * 0.2]
+        self.optimizer = torch.optim.AdamW(
+            [{"params": heads}, {"params": backbone}],
+            lr=arguments.rate,
+            weight_decay=arguments.decay,
+        )
+        self.average = {k: v.clone() for k, v in model.state_dict().items()}
+        self.state = State()
+        if self.path.exists():
+            self._load()
+
+    def _load(self) -> None:
+        saved = torch.load(self.path, weights_only=True)
+        self.model.load_state_dict(saved["model"])
+        self.optimizer.load_state_dict(saved["optimizer"])
+        self.average = saved["average"]
+        self.state = State(saved["steps"], saved["trained_s"])
+
+    def save(self) -> None:
+        saved = {
+            "model": self.model.state_dict(),
+            "optimizer": self.optimizer.state_dict(),
+            "average": self.average,
+            "steps": self.state.steps,
+            "trained_s": self.state.trained_s,
+        }
+        partial = self.path.with_suffix(".part")
+        torch.save(saved, partial)
+        partial.rename(self.path)
+
+    def step(self, loss: Tensor) -> None:
+        share = min(1.0, self.state.trained_s / self.total_s)
+        falling = LAST_SHARE + (1 - LAST_SHARE) * 0.5 * (1 + math.cos(math.pi * share))
+        warm = min(1.0, (self.state.steps + 1) / WARM_STEPS)
+        for group, rate in zip(self.optimizer.param_groups, self.rates, strict=True):
+            group["lr"] = rate * warm * falling
+        self.optimizer.zero_grad(set_to_none=True)
+        loss.backward()
+        nn.utils.clip_grad_norm_(self.model.parameters(), 10.0)
+        self.optimizer.step()
+        self.state.steps += 1
+        keep = min(0.998, (1 + self.state.steps) / (10 + self.state.steps))
+        with torch.no_grad():
+            for name, value in self.model.state_dict().items():
+                if value.dtype.is_floating_point:
+                    self.average[name].mul_(keep).add_(value, alpha=1 - keep)
+                else:
+                    self.average[name].copy_(value)
+
+
+def propose_losses(model: nn.Module, given: Any) -> tuple[Tensor, tuple[float, ...]]:
+    images, wanted = given
+    x = scaled(images).contiguous(memory_format=torch.channels_last)
+    with torch.autocast("cpu", torch.bfloat16):
+        heads = model(x)
+    total, parts = torch.zeros(()), []
+    for (heat, edges), target, stride in zip(heads, wanted, proposer.STRIDES, strict=True):
+        names, boxes = proposer.losses(heat, edges, target, stride)
+        total = total + names + 2 * boxes
+        parts += [names.item(), boxes.item()]
+    return total, tuple(parts)
+
+
+def crop_losses(model: nn.Module, given: Any) -> tuple[Tensor, tuple[float, ...]]:
+    images, labels = given
+    x = scaled(images).contiguous(memory_format=torch.channels_last)
+    with torch.autocast("cpu", torch.bfloat16):
+        found = [item.float() for item in model(x)]
+    wanted = labels.T
+    total = functional.cross_entropy(found[0], wanted[0], label_smoothing=0.05)
+    parts = [total.item(), (found[0].argmax(1) == wanted[0]).float().mean().item()]
+    for logit, want in zip(found[1:], wanted[1:], strict=True):
+        total = total + 0.5 * functional.cross_entropy(logit, want, ignore_index=-1)
+        known = want >= 0
+        parts.append((logit.argmax(1) == want)[known].float().mean().item())
+    return total, tuple(parts)
+
+
+def counted(shards: Shards) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """Return how many boxes each class has, the nameless last."""
+    kinds = np.concatenate([f.kind[~f.ignore & (f.kind >= 0)] for f in shards.frames])
+    return np.bincount(kinds, minlength=crops.KINDS - 1).astype(np.float64)
+
+
+def batches(network: str, shards: Shards, size: int, seed: int) -> Iterator[Any]:
+    """Yield endless batches; new shards are taken in as they come."""
+    numbers = {"made": 0}
+    odds: dict[str, Any] = {}
+
+    def weigh() -> None:
+        rare = 1 / np.sqrt(counted(shards) + 30)
+        odds["kinds"] = rare
+        worth = [
+            1 + 8 * float(rare[f.kind[~f.ignore & (f.kind >= 0)]].sum()) for f in shards.frames
+        ]
+        clipped = np.minimum(worth, 6.0)
+        odds["frames"] = clipped / clipped.sum()
+
+    def make(rng: np.random.Generator) -> Any:
+        if numbers["made"] % REFRESH_STEPS == 0:
+            shards.refresh()
+            weigh()
+        numbers["made"] += 1
+        if network == "proposer":
+            return proposer.batch(shards.frames, odds["frames"], size, rng)
+        return crops.batch(shards.frames, odds["kinds"], size, rng)
+
+    return prefetched(make, seed)
+
+
+def main() -> None:
+    """Train until the minutes are used up."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("network", choices=("proposer", "crops"))
+    parser.add_argument("--data", type=Path, required=True)
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--minutes", type=float, default=40)
+    parser.add_argument("--seed", type=int, default=7)
+    parser.add_argument("--batch", type=int, default=0)
+    parser.add_argument("--rate", type=float, default=1.5e-3)
+    parser.add_argument("--decay", type=float, default=1e-4)
+    arguments = parser.parse_args()
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    torch.set_num_threads(1)
+    torch.manual_seed(arguments.seed)
+    shards = Shards(arguments.data)
+    weights = read_weights(COCO)
+    proposing = arguments.network == "proposer"
+    model: nn.Module = proposer.Proposer(weights) if proposing else crops.CropNet(weights)
+    trainer = Trainer(model, arguments)
+    trainer.model.train()
+    log = (arguments.out / f"{arguments.network}.log").open("a", buffering=1)
+    log.write(f"# {' '.join(sys.argv)}\n# seed {arguments.seed}, {len(shards.frames)} frames\n")
+    size = arguments.batch or (16 if proposing else 64)
+    compute = propose_losses if proposing else crop_losses
+    # A resumed run sees other batches than the first: the seed goes on with the steps.
+    source = batches(arguments.network, shards, size, arguments.seed + trainer.state.steps)
+    last = saved = time.monotonic()
+    while trainer.state.trained_s < trainer.total_s:
+        loss, parts = compute(trainer.model, next(source))
+        trainer.step(loss)
+        now = time.monotonic()
+        trainer.state.trained_s += now - last
+        last = now
+        trainer.state.recent.append(parts)
+        if trainer.state.steps % LOG_STEPS == 0:
+            mean = np.nanmean(np.array(trainer.state.recent), axis=0).round(3).tolist()
+            trainer.state.recent.clear()
+            rate = trainer.state.steps * size / max(trainer.state.trained_s, 1e-6)
+            log.write(
+                f"{trainer.state.trained_s:.0f} s, step {trainer.state.steps},"
+                f" {len(shards.frames)} frames, {rate:.1f} samples/s: {mean}\n"
+            )
+        if now - saved > SAVE_S:
+            trainer.save()
+            saved = time.monotonic()
+    trainer.save()
+    log.write(f"# done after {trainer.state.steps} steps\n")
+
+
+if __name__ == "__main__":
+    main()

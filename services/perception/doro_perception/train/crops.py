@@ -1,0 +1,134 @@
+"""The crop net: what one box shows, as class, colour and material probabilities."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+from torch.nn import functional
+
+from doro_perception.classes import CLASSES, COLOURS, MATERIALS
+from doro_perception.crop import SIDE_PX, cut_out
+from doro_perception.train.backbone import CHANNELS, MobileNetV2, Weights, scaled
+from doro_perception.train.shards import Frame, Image, Rng, photometric, resized
+
+UNNAMED, NOTHING = len(CLASSES), len(CLASSES) + 1
+KINDS = len(CLASSES) + 2
+PER_FRAME, MIN_SIDE_PX = 6, 4
+BOX_JITTER = 0.06
+
+
+class CropNet(nn.Module):  # type: ignore[misc]
+    """Crops (n, 3, 96, 96) in -1..1 to logits of class, colour and material."""
+
+    def __init__(self, weights: Weights) -> None:
+        super().__init__()
+        self.backbone = MobileNetV2(weights)
+        width = sum(CHANNELS)
+        self.norm, self.drop = nn.BatchNorm1d(width), nn.Dropout(0.2)
+        self.hidden = nn.Linear(width, 256)
+        # Colour needs pixels, not shapes: the middle of the crop through 1 x 1 convolutions.
+        self.pixels = nn.Sequential(nn.Conv2d(3, 32, 1), nn.ReLU(), nn.Conv2d(32, 48, 1), nn.ReLU())
+        self.kind = nn.Linear(256, KINDS)
+        self.colour = nn.Linear(256 + 96, len(COLOURS))
+        self.material = nn.Linear(256, len(MATERIALS))
+
+    def forward(self, x: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+        levels = self.backbone(x)
+        pooled = torch.cat([level.float().mean((2, 3)) for level in levels], 1)
+        hidden = functional.relu(self.hidden(self.drop(self.norm(pooled))))
+        quarter = SIDE_PX // 4
+        inner = self.pixels(x[:, :, quarter : 3 * quarter : 2, quarter : 3 * quarter : 2]).float()
+        seen = torch.cat([inner.mean((2, 3)), inner.amax((2, 3))], 1)
+        return (
+            self.kind(hidden),
+            self.colour(torch.cat([hidden, seen], 1)),
+            self.material(hidden),
+        )
+
+
+class Exported(nn.Module):  # type: ignore[misc]
+    """What the ONNX file holds: uint8 crops (n, 96, 96, 3) to three logits each."""
+
+    def __init__(self, model: CropNet) -> None:
+        super().__init__()
+        self.model = model
+
+    def forward(self, crops: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+        kind, colour, material = self.model(scaled(crops))
+        return kind, colour, material
+
+
+def batch(frames: list[Frame], odds: NDArray[np.float64], size: int, rng: Rng) -> tuple[Any, ...]:
+    """Return crops uint8 (n, 96, 96, 3) and (class, colour, material) int64 (n, 3), -1 unknown.
+
+    Args:
+        odds: how likely a box of each class is taken, (KINDS - 1,).
+    """
+    crops: list[Image] = []
+    labels: list[tuple[int, int, int]] = []
+    while len(crops) < size:
+        frame = frames[int(rng.integers(len(frames)))]
+        image, scale = frame.image(), 1.0
+        if rng.random() < 0.4:
+            side = int(rng.choice([300, 300, 320]))
+            scale = side / image.shape[0]
+            image = resized(image, side, rng)
+        boxes = frame.box * scale
+        good = np.flatnonzero(~frame.ignore & (frame.kind >= 0))
+        if len(good):
+            p = odds[frame.kind[good]]
+            count = min(PER_FRAME, len(good))
+            for k in rng.choice(good, count, replace=False, p=p / p.sum()):
+                crop = _jittered(image, boxes[k], rng)
+                if crop is not None:
+                    crops.append(crop)
+                    labels.append(
+                        (int(frame.kind[k]), int(frame.colour[k]), int(frame.material[k]))
+                    )
+        for _ in range(2):
+            empty = _background(image, boxes, rng)
+            if empty is not None:
+                crops.append(empty)
+                labels.append((NOTHING, -1, -1))
+    return torch.from_numpy(np.stack(crops[:size])), torch.tensor(labels[:size])
+
+
+def _jittered(image: Image, box: NDArray[np.float32], rng: Rng) -> Image | None:
+    size = np.tile(box[2:] - box[:2], 2)
+    moved = box + rng.normal(0, BOX_JITTER, 4) * size
+    if (moved[2:] - moved[:2]).min() < MIN_SIDE_PX:
+        return None
+    crop = cut_out(image, moved)
+    if rng.random() < 0.5:
+        crop = np.ascontiguousarray(crop[:, ::-1])
+    return photometric(crop, rng, strength=0.5)
+
+
+def _background(image: Image, boxes: NDArray[np.float32], rng: Rng) -> Image | None:
+    """Return a crop that shows no thing in its middle: a random place, or a badly placed box."""
+    whole = image.shape[0]
+    if len(boxes) and rng.random() < 0.4:
+        box = boxes[int(rng.integers(len(boxes)))]
+        size = box[2:] - box[:2]
+        scale = rng.uniform(0.3, 1.6)
+        middle = (box[:2] + box[2:]) / 2 + rng.choice([-1.0, 1.0], 2) * rng.uniform(
+            0.4, 1.0, 2
+        ) * size
+        size = np.maximum(size * scale, 8)
+    else:
+        size = np.exp(rng.uniform(np.log(10), np.log(whole * 0.4))) * rng.uniform(0.6, 1.6, 2)
+        middle = rng.uniform(0, whole, 2)
+    box = np.concatenate([middle - size / 2, middle + size / 2])
+    inside = np.clip(box, 0, whole)
+    if (inside[2:] - inside[:2]).prod() < 0.6 * size.prod():
+        return None
+    low, high = np.maximum(box[:2], boxes[:, :2]), np.minimum(box[2:], boxes[:, 2:])
+    common = np.clip(high - low, 0, None).prod(axis=1)
+    union = size.prod() + (boxes[:, 2:] - boxes[:, :2]).prod(axis=1) - common
+    if len(boxes) and (common / union).max() > 0.25:
+        return None
+    return photometric(cut_out(image, box), rng, strength=0.5)
