@@ -62,6 +62,7 @@ class Phrase(msgspec.Struct, frozen=True):
         ordinal: 1 the first, -1 the last, 0 none given.
         side: left, middle or right, or empty; with an ordinal it is counted from there.
         other: "the other one".
+        named: the class itself is said ("the other cup"), as a clause says it.
         plural: "the red ones".
         unclear: says something that no observation answers ("the biggest", "mine").
     """
@@ -73,6 +74,7 @@ class Phrase(msgspec.Struct, frozen=True):
     other: bool = False
     plural: bool = False
     unclear: bool = False
+    named: bool = False
 
 
 class Heard(msgspec.Struct, frozen=True):
@@ -85,6 +87,7 @@ class Heard(msgspec.Struct, frozen=True):
         corrects: the person takes something back ("no", "I meant", "instead").
         count: "all three": 3; 0 where no number was said.
         pick: "any red one": whichever of those described.
+        said: the words, lower case and without courtesies.
     """
 
     act: Act
@@ -93,6 +96,7 @@ class Heard(msgspec.Struct, frozen=True):
     corrects: bool = False
     count: int = 0
     pick: Literal["", "any", "all"] = ""
+    said: str = ""
 
     @property
     def texts(self) -> list[str]:
@@ -116,14 +120,14 @@ def hear(text: str, name: str, known: frozenset[str] = frozenset()) -> Heard:
         return _describe(f" NOT {rest}" if taken_back else rest, name, corrects=True)
     whole = _whole(said, name)
     if whole is not None:
-        return whole
+        return msgspec.structs.replace(whole, said=said)
     if RIGHT.search(said):
         return Heard("yes", [[Phrase(side="right")]])
     no, said = _leading(LEADING_NO, said)
     yes, said = _leading(LEADING_YES, said) if not no else (False, said)
     if not said:
         return Heard("yes" if yes else "no" if no else "unclear")
-    return _describe(said, name, corrects=no)
+    return msgspec.structs.replace(_describe(said, name, corrects=no), said=said)
 
 
 def _whole(said: str, name: str) -> Heard | None:
@@ -217,6 +221,7 @@ def _phrase(said: str, name: str) -> Phrase:
     unclear = bool(UNCLEAR.search(said))
     said = UNCLEAR.sub(" ", said)
     other = bool(OTHER.search(said))
+    named = other and bool(re.search(rf"\b{re.escape(name)}\b", said))
     said = OTHER.sub(lambda found: " one " if "one" in found.group() else " ", said)
     side = ""
     if match := FROM_SIDE.search(said):
@@ -230,7 +235,7 @@ def _phrase(said: str, name: str) -> Phrase:
     text = _to_parse(said, name)
     if negative and not (text or ordinal or side or other):
         unclear = True
-    return Phrase(text, negative, ordinal, side, other, plural, unclear or mixed)
+    return Phrase(text, negative, ordinal, side, other, plural, unclear or mixed, named)
 
 
 def _without(said: str, side: re.Match[str]) -> str:
@@ -258,7 +263,8 @@ def _to_parse(said: str, name: str) -> str:
     said = re.sub(r"\b(?:closest|nearest) to\b", "near", said)
     said = re.sub(r"\b(ones?|thing|object|item)\b", name, said)
     if is_plural(name):
-        said = re.sub(r"\b(?:pair|set)s?(?: of)?\b", name, said)
+        said = re.sub(r"\b(?:pair|set)s? of\b", " ", said)
+        said = re.sub(r"\b(?:pair|set)s?\b", name, said)
     said = re.sub(r"\s+", " ", said)
     said = re.sub(rf"\b({re.escape(name)})( \1)+\b", r"\1", said)
     said = re.sub(r"\s+", " ", said).strip(" ,")

@@ -101,7 +101,7 @@ def _phrase(
     elif phrase.side:
         placed = _side(scene, phrase.side)
     elif phrase.other:
-        placed = _marked_other(scene, graph)
+        placed = _marked_other(scene, graph, named=phrase.named)
         if placed is None and not excluded:
             return None
     if placed is None:
@@ -113,8 +113,11 @@ def _phrase(
     return {one: worst([at[one], by_facts[one] if by_facts else "holds"]) for one in scene.ids}
 
 
-def _marked_other(scene: Scene, graph: ObjectGraph | None) -> list[str] | None:
-    """Return the clause that the question itself called "one other cup", if it is one."""
+def _marked_other(scene: Scene, graph: ObjectGraph | None, *, named: bool) -> list[str] | None:
+    """Return the clause that the question itself called "one other cup", if it is one.
+
+    Of several ("one other red cup, and one other cup") the one with these very words.
+    """
     marked = [group for group in scene.groups if re.search(r"\bother\b", group.text)]
     if len(marked) > 1 and graph is not None:
         marked = [
@@ -123,6 +126,8 @@ def _marked_other(scene: Scene, graph: ObjectGraph | None) -> list[str] | None:
             if scene.said_literally(graph, one.instance_ids[0])
             and len(facts_of(one.graph)) == len(facts_of(graph))
         ]
+    elif len(marked) > 1 and named:
+        marked = [one for one in marked if not facts_of(one.graph)]
     return marked[0].instance_ids if len(marked) == 1 else None
 
 

@@ -13,7 +13,7 @@ from typing import Literal
 import msgspec
 
 from doro_dialogue.acts import Heard
-from doro_dialogue.facts import value_of
+from doro_dialogue.facts import name_of, value_of
 from doro_dialogue.matching import is_room
 from doro_dialogue.pick_out import Found, Graphs, alternative, row_of_groups
 from doro_dialogue.scene import Scene
@@ -50,11 +50,13 @@ ASK = Outcome("ask_again")
 
 
 def resolve(scene: Scene, heard: Heard, graphs: Graphs) -> Outcome:
-    """Return what an answer comes to.
+    """Return what an answer comes to; the very words of a clause need no reading.
 
     Args:
         graphs: the parser's graph by text, for every text of ``heard.texts``.
     """
+    if (named := scene.verbatim(heard.said)) is not None:
+        return _take(named.instance_ids, named.graph)
     # "Right" is a side where the question named sides, and a "yes" elsewhere.
     sides = heard.act == "yes" and bool(heard.alternatives) and bool(row_of_groups(scene))
     if heard.act == "describe" or sides:
@@ -198,6 +200,15 @@ def _others_that_fit(scene: Scene, found: Found) -> list[str]:
 
 
 def _observed(scene: Scene, graph: ObjectGraph, name: str) -> bool:
-    """Tell whether the very values were observed, not narrower ones."""
-    seen = scene.graph(name).attributes
-    return all(value_of(seen.get(key, "-")) == value_of(v) for key, v in graph.attributes.items())
+    """Tell whether the very words were observed, not narrower ones."""
+    seen = scene.graph(name)
+    placed = all(
+        any(
+            (one.type, name_of(one.target.name)) == (said.type, name_of(said.target.name))
+            for one in seen.relations
+        )
+        for said in graph.relations
+    )
+    values = seen.attributes
+    own = all(value_of(values.get(key, "-")) == value_of(v) for key, v in graph.attributes.items())
+    return own and placed and name_of(seen.name) == name_of(graph.name)

@@ -13,6 +13,7 @@ from doro_schemas.graph import ObjectGraph, Relation, walk
 from doro_schemas.messages.talk import Clause, State
 
 BY_PLACE = re.compile(r"\bfrom left to right\b|\bleft to right\b")
+ARTICLE = re.compile(r"^(?:the|a|an|one) |,")
 SEGMENT = re.compile(r"[,;:.]\s*(?:and\s+)?|\s+and\s+(?=(?:one|two|a|an|another|the)\b)")
 OFFER = re.compile(r"\b(?:should i|shall i|do you (?:want|mean)|is (?:it|that|this)|would you)\b")
 
@@ -97,6 +98,12 @@ class Scene(msgspec.Struct, frozen=True):
         """Tell whether the question named an instance by these very words."""
         group = next(group for group in self.groups if name in group.instance_ids)
         return _literal(graph, group.graph, self.said.name)
+
+    def verbatim(self, said: str) -> Clause | None:
+        """Return the clause of one instance whose very words an answer is."""
+        bare = ARTICLE.sub("", said)
+        found = [one for one in self.groups if ARTICLE.sub("", one.text.lower()) == bare]
+        return found[0] if len(found) == 1 and len(found[0].instance_ids) == 1 and bare else None
 
     def values(self) -> set[str]:
         """Return all observed values; for membership only."""
