@@ -38,7 +38,7 @@ def main() -> None:
 @click.option("--room", "recording", type=click.Path(path_type=Path), help="A recording (MCAP).")
 @click.option("--instruction", "-i", "instructions", multiple=True, help="May be repeated.")
 @click.option("--out", type=click.Path(path_type=Path, file_okay=False), default=OUT)
-@click.option("--backend", type=click.Choice(["oracle", "onnx"]), default="oracle")
+@click.option("--backend", type=click.Choice(["oracle", "captioner", "coco", "onnx"]), default="oracle")
 @click.option("--json", "as_json", is_flag=True, help="Queries as JSON lines on stdout.")
 @common_options
 @says_refusals
