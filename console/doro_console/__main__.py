@@ -18,6 +18,7 @@ from doro_console.options import Common, common_options, says_refusals, talk
 from doro_console.rooms import rooms
 from doro_console.sheets import sheet
 from doro_console.study import study
+from doro_console.tune import tune
 
 SENTENCES = (
     "bring me the red cup",
@@ -237,7 +238,7 @@ def bench_dialogue(json_path: Path | None, count: int, scenes: int, through_bus:
     run_bench_dialogue(json_path, count, scenes, through_bus)
 
 
-for command in (play, record, import_folder, rooms, hosts, evaluate, study):
+for command in (play, record, import_folder, rooms, hosts, evaluate, study, tune):
     main.add_command(command)
 rooms.add_command(sheet)
 
