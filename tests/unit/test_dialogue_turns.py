@@ -52,9 +52,18 @@ class Room:
         done = Exploration(state="finished", episode=episode, stamp_ns=90)
         return self.run(self.core.exploration(done))
 
-    def say(self, graph: ObjectGraph = CUP, text: str = "bring me the cup") -> list[Output]:
-        message = InstructionGraph(text=text, task="bring", graph=graph, stamp_ns=100)
+    def say(
+        self, graph: ObjectGraph = CUP, text: str = "bring me the cup", readings=()
+    ) -> list[Output]:
+        message = InstructionGraph(
+            text=text, task="bring", graph=graph, readings=list(readings), stamp_ns=100
+        )
         return self.run(self.core.instruction_graph(message))
+
+    def look_again(self) -> list[Output]:
+        """The robot has looked further: the map may have changed."""
+        done = Exploration(state="finished", episode="room", stamp_ns=300)
+        return self.run(self.core.exploration(done))
 
     def answer(self, text: str, dialogue_id: str = "", stamp_ns: int = 200) -> list[Output]:
         message = Answer(text=text, dialogue_id=dialogue_id, stamp_ns=stamp_ns)

@@ -9,6 +9,7 @@ import msgspec
 
 from doro_dialogue.act_words import DESCRIBING, ORDINAL, ORDINALS, PREPOSITION
 from doro_dialogue.facts import words
+from doro_dialogue.mend import mended
 from doro_dialogue.question import Part, Question, compose
 from doro_dialogue.readings import Holder, Read, Split, without_open
 from doro_dialogue.surface import is_plural
@@ -83,11 +84,11 @@ def choose(split: Split, text: str, known: frozenset[str]) -> Chosen | None:
     Args:
         known: all words that were observed; for membership only.
     """
-    said = re.sub(r"[\"(),;:.!?]+", " ", text.lower().replace("\u2019", "'"))
-    said = re.sub(r"\s+", " ", said).strip()
+    own = words(" ".join([split.words, *(one.text for one in split.holders)]))
+    said = mended(text.lower().replace("\u2019", "'"), known | own)
+    said = re.sub(r"\s+", " ", re.sub(r"[\"(),;:.!?]+", " ", said)).strip()
     if BARE_YES_NO.match(said):
         return AGAIN
-    own = " ".join([split.words, *(one.text for one in split.holders)]).split(" ")
     rest = [word for word in said.split(" ") if word not in COMMON and word not in own]
     if any(word in DESCRIBING or word in known for word in rest):
         return None
