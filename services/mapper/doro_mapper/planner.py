@@ -155,7 +155,7 @@ class Planner:
         camera = self._camera
         if camera is None:
             return ExplorationGoal(reason="nothing seen yet")
-        way = ways(self._space, camera, self._settings.radius_m)
+        way = ways(self._space, self._past, self._settings)
         candidates = self._choices(camera, way)
         far = way_to(self._space, camera, way, candidates.position_m)
         worth = worth_of(things(), self._asked, self._settings)
@@ -179,6 +179,7 @@ class Planner:
         if self._candidates is None and self._named:
             self._candidates = candidates_of(self._named, self._world, self._settings)
             self._candidates.take(self._past)
+            self._space.make_room(camera.position_m, self._candidates.position_m)
         if self._candidates is not None:
             return self._candidates
         places = free_places(self._space, camera, way, self._world)

@@ -39,7 +39,7 @@ def noticed(size_m: float, range_m: Floats, focal_px: float, least_px: float) ->
 
 
 class Space:
-    """Voxels around the first camera, grown as depth asks for, up to ``reach_m`` to each side.
+    """Voxels around the first camera, grown as the robot goes, up to ``reach_m`` to each side.
 
     Memory: 15 bytes a voxel; with 0.2 m and 20 m at most 10 MB.
 
@@ -73,7 +73,8 @@ class Space:
     def add(self, camera: Camera, thumb_m: Singles) -> None:
         """Take one frame's depth thumbnail: surfaces, what is free before and hidden behind."""
         points, _ = _points(camera, thumb_m, self._settings.sight_m)
-        self._make_room(camera.position_m, points)
+        sight = np.array([self._settings.sight_m, self._settings.sight_m, 0.0])
+        self.make_room(camera.position_m, camera.position_m + np.array([-sight, sight]))
         low = points[points[:, 2] < camera.position_m[2] - 0.3]
         if len(low):
             self.floor_m = min(self.floor_m, float(np.quantile(low[:, 2], FLOOR_QUANTILE)))
@@ -165,7 +166,8 @@ class Space:
             blocked = _spread(blocked)
         return np.asarray(free & floor & ~blocked)
 
-    def _make_room(self, camera_m: Floats, points_m: Floats) -> None:
+    def make_room(self, camera_m: Floats, points_m: Floats) -> None:
+        """Let the voxels reach to points (n, 3), as far as ``reach_m`` allows."""
         edge, reach = self.edge_m, self._settings.reach_m
         if not self._missed.size:
             base = np.floor(camera_m / edge) * edge
@@ -173,9 +175,8 @@ class Space:
             self._high_m = base + np.array([reach, reach, ABOVE_M])
             self.origin_m = np.array([*base[:2], self._low_m[2]])
             self._resize(np.zeros(3, int), np.array([1, 1, round((BELOW_M + ABOVE_M) / edge)]))
-        every = np.concatenate([points_m, camera_m[None]])
-        low = np.clip(every.min(axis=0), self._low_m, self._high_m)
-        high = np.clip(every.max(axis=0), self._low_m, self._high_m)
+        low = np.clip(points_m.min(axis=0), self._low_m, self._high_m)
+        high = np.clip(points_m.max(axis=0), self._low_m, self._high_m)
         end = self.origin_m + np.array(self.shape) * edge
         step = round(GROW_M / edge)
         before = np.ceil(np.maximum(self.origin_m - low, 0) / edge / step).astype(int) * step

@@ -123,11 +123,19 @@ def free_places(
     return out
 
 
-def ways(space: Space, camera: Camera, radius_m: float) -> NDArray[np.float32]:
-    """Return the way in metres (a, b) from the camera over the floor seen; inf where none."""
-    walkable = space.walkable(camera.position_m, radius_m)
-    a, b, _ = np.floor((camera.position_m - space.origin_m) / space.edge_m).astype(int)
-    walkable[max(a - 1, 0) : a + 2, max(b - 1, 0) : b + 2] = True
+def ways(space: Space, cameras: Sequence[Camera], settings: PlannerSettings) -> NDArray[np.float32]:
+    """Return the way in metres (a, b) over the floor seen from the last camera; inf where none.
+
+    Args:
+        cameras: where the robot has been: it can stand there, though it saw no floor below it.
+    """
+    walkable = space.walkable(cameras[-1].position_m, settings.radius_m)
+    places = np.array([camera.position_m for camera in cameras])
+    cells = np.floor((places - space.origin_m) / space.edge_m).astype(int)[:, :2]
+    cells = np.clip(cells, 0, np.array(walkable.shape) - 1)
+    for a, b in np.unique(cells, axis=0):
+        walkable[max(a - 1, 0) : a + 2, max(b - 1, 0) : b + 2] = True
+    a, b = cells[-1]
     return distances(walkable, (int(a), int(b))) * np.float32(space.edge_m)
 
 
