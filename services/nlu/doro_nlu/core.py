@@ -74,7 +74,7 @@ class Nlu:
             InstructionGraph(
                 stamp_ns=message.stamp_ns,
                 episode=message.episode,
-                text=message.text,
+                text=reply.text,
                 task=reply.task,
                 tokens=reply.tokens,
                 labels=reply.labels,

@@ -15,6 +15,7 @@ from doro_nlu.words import (
     FETCH_VERBS,
     JOINTS,
     NEGATORS,
+    NO_THINGS,
     NOT_TARGETS,
     PARTICLES,
     PRONOUNS,
@@ -48,7 +49,7 @@ def settle(words: Sequence[str], spans: Sequence[Span]) -> Settled | None:
         words: the tokens in lower case.
         spans: the tagger's spans in order.
     """
-    objects = [span for span in spans if span.kind == OBJECT and has_letter(span.text)]
+    objects = [span for span in spans if span.kind == OBJECT and _names_a_thing(span.text)]
     if not objects:
         return None
     free = [span for span in objects if not _after_connector(words, spans, span)] or objects
@@ -65,6 +66,10 @@ def settle(words: Sequence[str], spans: Sequence[Span]) -> Settled | None:
 def has_letter(text: str) -> bool:
     """Tell whether a text can name something."""
     return any(char.isalpha() for char in text)
+
+
+def _names_a_thing(text: str) -> bool:
+    return has_letter(text) and text not in NO_THINGS
 
 
 def is_negated(words: Sequence[str], start: int) -> bool:
@@ -170,29 +175,35 @@ def _others(spans: Sequence[Span], root: Span) -> list[Span]:
 def _second_by_verb(words: Sequence[str], spans: Sequence[Span], root: Span) -> str:
     """Return what a second clause wants fetched: "bring the cup and bring the plate".
 
-    The clause begins with a joint and a verb that brings things, as the first one does; what
-    follows is a noun phrase, no pronoun, no re-mention of the target, no "take a left".
+    The clause begins with a joint and a verb that brings things, as the first one does, or with
+    "along with"; what follows is a noun phrase, no pronoun, no re-mention of the target, no "take
+    a left".
     """
     if not any(word in FETCH_VERBS for word in words[: root.start]):
         return ""
-    for at in range(root.end + 1, len(words) - 1):
-        if words[at] in FETCH_VERBS and words[at - 1] in _SEQUENCE:
-            start = at + 1
+    for at in range(root.end, len(words) - 1):
+        also = words[at : at + 2] in _ALSO
+        if also or (words[at] in FETCH_VERBS and words[at - 1] in _SEQUENCE):
+            start = at + 1 + also + (words[at : at + 3] == ["as", "well", "as"])
             while start < len(words) and words[start] in PARTICLES | {"me", "us"}:
                 start += 1
-            noun = _phrase_at(words, spans, start)
+            noun = _phrase_at(words, spans, start, any_noun=also)
             if noun and not _mentions(words[start : start + _LONGEST_PHRASE], noun, root):
                 return noun
     return ""
 
 
-def _phrase_at(words: Sequence[str], spans: Sequence[Span], start: int) -> str:
-    """Return the noun phrase that begins with a determiner at ``start``, without it, or ""."""
+def _phrase_at(words: Sequence[str], spans: Sequence[Span], start: int, *, any_noun: bool) -> str:
+    """Return the noun phrase that begins with a determiner at ``start``, without it, or "".
+
+    Args:
+        any_noun: a landmark's label counts as well.
+    """
     if start >= len(words) or words[start] not in DETERMINERS - {"those", "these", "another"}:
         return ""
     for span in spans:
         if is_noun(span.kind) and start < span.start <= start + 3:
-            return "" if span.kind == RELATED else span.text
+            return span.text if any_noun or span.kind != RELATED else ""
     end = start + 1
     inside = {at for span in spans for at in range(span.start, span.end) if not _is_value(span)}
     while end < min(len(words), start + 4) and end not in inside and words[end].isalpha():

@@ -85,6 +85,14 @@ NOT_TARGETS = frozenset(
 )
 """What follows "take" in "take a left", "take two steps": nothing to fetch."""
 
+NO_THINGS = frozenset(
+    _words(
+        "straight ahead forward forwards backward backwards left right here there now today"
+        " tomorrow tonight please thanks hello hi okay yes no"
+    )
+)
+"""Words that are never the target, whatever a tagger says."""
+
 MOVES = frozenset(
     _words("go walk move head drive come navigate run proceed travel step return turn roll cross")
 )
