@@ -16,19 +16,15 @@ from typing import Any
 
 import numpy as np
 import onnx
-import onnxruntime as ort
 import torch
-from onnxruntime.quantization import (
-    CalibrationDataReader,
-    CalibrationMethod,
-    QuantFormat,
-    QuantType,
-    quantize_static,
-)
+from onnxruntime.quantization.calibrate import CalibrationDataReader, CalibrationMethod
+from onnxruntime.quantization.quant_utils import QuantFormat, QuantType
+from onnxruntime.quantization.quantize import quantize_static
 from onnxruntime.quantization.shape_inference import quant_pre_process
 from torch import nn
 
 from doro_perception.crop import cut_out
+from doro_perception.sessions import Session
 from doro_perception.train import crops, proposer
 from doro_perception.train.__main__ import COCO
 from doro_perception.train.backbone import read_weights
@@ -46,7 +42,7 @@ class _Reader(CalibrationDataReader):  # type: ignore[misc, unused-ignore]
     def __init__(self, name: str, images: Iterator[Any]) -> None:
         self._feeds = ({name: image} for image in images)
 
-    def get_next(self) -> dict[str, Any] | None:
+    def get_next(self) -> Any:
         return next(self._feeds, None)
 
 
@@ -94,7 +90,7 @@ def export(network: str, run: Path, shards: Shards, out: Path, *, int8: bool) ->
         )
         print(
             f"{network}: float32 {plain.stat().st_size / 1e6:.1f} MB,",
-            _apart(model, plain, example),
+            _apart(model, plain, example, INPUTS[network]),
         )
         if int8:
             quant_pre_process(str(plain), str(ready))
@@ -111,15 +107,18 @@ def export(network: str, run: Path, shards: Shards, out: Path, *, int8: bool) ->
             )
         else:
             onnx.save(onnx.load(str(plain)), str(path))
-    print(f"{network}: written {path.stat().st_size / 1e6:.2f} MB,", _apart(model, path, example))
+    print(
+        f"{network}: written {path.stat().st_size / 1e6:.2f} MB,",
+        _apart(model, path, example, INPUTS[network]),
+    )
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
     path.with_name(path.name + ".sha256").write_text(f"{digest}  {path.name}\n", encoding="utf-8")
 
 
-def _apart(model: nn.Module, path: Path, example: torch.Tensor) -> str:
+def _apart(model: nn.Module, path: Path, example: torch.Tensor, name: str) -> str:
     """Return the largest deviations of a file's outputs from torch's."""
-    session = ort.InferenceSession(str(path), providers=["CPUExecutionProvider"])
-    found = session.run(None, {session.get_inputs()[0].name: example.numpy()})
+    session = Session(path, 1, "export it again")
+    found = session.run([port.name for port in session.outputs], {name: example.numpy()})
     with torch.no_grad():
         wanted = [item.numpy() for item in model(example)]
     parts = [f"{np.abs(a - b).max():.2g}" for a, b in zip(found, wanted, strict=True)]
