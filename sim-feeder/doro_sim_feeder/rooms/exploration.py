@@ -1,8 +1,8 @@
 """Where the robot looks from, in one of several orders behind one interface.
 
 An order takes the reachable cells and returns the views; ``ORDERS`` names them. ``random`` is
-the paper's, ``sweep`` mows the room. An order that plans by what is still unseen takes goals
-from the map (topic ``goal``, reserved) and gets its row here when the mapper sends them.
+the paper's, ``sweep`` mows the room. The order that plans by what is still uncertain follows the
+mapper's goals (:mod:`doro_sim_feeder.planned`): it needs a running map, so it plays a recording.
 """
 
 from __future__ import annotations
@@ -56,7 +56,10 @@ def plan_views(
         Refused: there is no such order.
     """
     if order not in ORDERS:
-        raise Refused(f"there is no order '{order}' of exploration: use {' or '.join(ORDERS)}")
+        hint = "; goals are followed by 'doro play --order planned'" if order == "planned" else ""
+        raise Refused(
+            f"there is no order '{order}' of exploration: use {' or '.join(ORDERS)}{hint}"
+        )
     return ORDERS[order](cells, count, seed)
 
 
