@@ -16,10 +16,12 @@ from doro_nlu.words import (
     JOINTS,
     NEGATORS,
     PRONOUNS,
+    STRANDED,
     is_room,
     is_surface,
 )
 
+_SHORT_GAP = 3
 _NAMING_AGAIN = frozenset(["it", "it's", "its", "they", "they're"])
 
 
@@ -195,7 +197,17 @@ class Sentence:
         if found and self._is_joined(found[-1], span):
             before = found[-1]
             return before._replace(target=noun, spans=(*before.spans[:-1], span), joined=True)
-        return None
+        return self._unlabelled(span, noun)
+
+    def _unlabelled(self, span: Span, noun: int) -> Link | None:
+        """Read a preposition that the tagger left out: "the chair by the fireplace"."""
+        earlier = [one for one in self.spans if one.end <= span.start and is_noun(one.kind)]
+        gap = self._gap(earlier[-1].end, span.start) if earlier else []
+        kind = STRANDED.get(gap[0], "") if gap else ""
+        if not kind or len(gap) > _SHORT_GAP or any(word in JOINTS for word in gap):
+            return None
+        shuns = self._rooms() if kind != "is-near" else ()
+        return Link(kind, noun, (span,), earlier[-1].end, shuns=shuns)
 
     def _not_before(self, pending: Span) -> bool:
         """Tell whether a negation stands right before a connector ("not on the table")."""

@@ -8,6 +8,7 @@ from typing import NamedTuple
 from doro_nlu.attach import Link, Value
 from doro_nlu.spans import Span
 from doro_nlu.spelling import repair
+from doro_nlu.words import NAME_EDGES
 from doro_schemas.graph import MAX_DEPTH, ObjectGraph, Relation
 from doro_schemas.vocabulary import canonical_name, canonical_value
 
@@ -126,10 +127,20 @@ def _build(found: Found, way: Attachment, noun: int, depth: int) -> ObjectGraph:
     ]
     own = [v for v, owner in zip(found.values, way.owners, strict=True) if owner == noun]
     return ObjectGraph(
-        name=canonical_name(found.nouns[noun].text),
+        name=canonical_name(name_of(found.nouns[noun].text)),
         attributes=_attributes(own),
         relations=relations,
     )
+
+
+def name_of(text: str) -> str:
+    """Return a labelled noun phrase without function words at its edges ("picture of")."""
+    words = text.split(" ")
+    while len(words) > 1 and words[-1] in NAME_EDGES:
+        words.pop()
+    while len(words) > 1 and words[0] in NAME_EDGES:
+        words.pop(0)
+    return " ".join(words)
 
 
 def _attributes(values: Sequence[Value]) -> dict[str, str]:

@@ -19,6 +19,8 @@ def task_of(tokens: Sequence[str], labels: Sequence[str], start: int, end: int) 
     table there is a cup, fetch it" -> "fetch".
     """
     words = [token.lower() for token in tokens]
+    if words[0] == "where":
+        return "where is"
     split = _split_verb(words, labels, start, end)
     if split:
         return split

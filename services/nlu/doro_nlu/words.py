@@ -45,8 +45,13 @@ COPULAS = frozenset(
 STRANDED = {
     "on": "is-on", "upon": "is-on", "in": "is-at", "inside": "is-at", "at": "is-at",
     "under": "is-at", "near": "is-near", "beside": "is-near", "by": "is-near",
+    "behind": "is-near", "above": "is-at", "below": "is-at", "opposite": "is-near",
 }  # fmt: skip
-"""Prepositions that may end a relative clause ("the table that the lamp is on")."""
+"""Prepositions of one word and what they say, for where the tagger has left one out, as at the end
+of "the table that the lamp is on"."""
+
+NAME_EDGES = frozenset(_words("of the a an my your and or with to for"))
+"""Words that begin or end no name: a label that runs over by one is cut back."""
 
 NEGATORS = frozenset(
     _words(
