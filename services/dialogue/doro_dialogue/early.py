@@ -28,10 +28,13 @@ def take_note(talk: Talk, read: Read, reply: Instances, dialogue_id: str, episod
 
 
 def is_settled(belief: Belief, settings: DialogueSettings) -> bool:
-    """Tell whether a belief is stable and confident enough to act on before the end."""
+    """Tell whether a belief is stable and confident enough to act on before the end.
+
+    Where nothing was found there is nothing to be confident of: that only withdraws.
+    """
     return (
         0 < settings.early_beliefs <= belief.stable_beliefs
-        and belief.confidence >= settings.early_confidence
+        and (belief.confidence >= settings.early_confidence or not belief.instances)
         and belief.unseen_share <= settings.early_unseen_share
     )
 
