@@ -90,7 +90,7 @@ def test_longer_chains_are_bounded() -> None:
          ["cup(is-on desk{color=red,material=plastic})"]),
         ("the {O cup} {P on} the {R desk} , the {C red} one", "cup{color=red}(is-on desk)", []),
         ("the {O cup} with a {R lid} {N near} the {R sink}",
-         "cup(is-at^ lid(is-near sink))", ["cup(is-at^ lid)(is-near sink)"]),
+         "cup(is-at^ lid)(is-near sink)", ["cup(is-at^ lid(is-near sink))"]),
         ("the {O vase} with {R flowers} {A from} the {R shelf}",
          "vase(is-at^ flower)(is-at shelf)", ["vase(is-at^ flower(is-at shelf))"]),
     ],

@@ -228,7 +228,7 @@ class Sentence:
         return bool(gap) and gap[0] in JOINTS
 
     def _prefers_object(self, connector: Span, found: Sequence[Link]) -> bool:
-        """After a joint, and after contents ("a vase with flowers from the shelf")."""
+        """After a joint, and after contents: "a vase with flowers on the shelf" is a vase there."""
         earlier = [noun for noun in self.nouns if noun.end <= connector.start]
         if not earlier:
             return False
@@ -236,8 +236,7 @@ class Sentence:
         gap = self._gap(nearest.end, connector.start)
         if gap and gap[0] in JOINTS and not is_relative(gap):
             return True
-        source = self.words[connector.start] in ("from", "off", "out")
-        return source and bool(found) and found[-1].inverse
+        return bool(found) and found[-1].inverse
 
 
 def is_relative(gap: Sequence[str]) -> bool:
