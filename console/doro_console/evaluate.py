@@ -10,6 +10,7 @@ from rich.progress import Progress
 
 from doro_console.counting import chairs, counting
 from doro_console.options import says_refusals, talk
+from doro_console.planning import planning
 from doro_console.queries import queries
 
 JSON = click.Path(path_type=Path, dir_okay=False)
@@ -44,5 +45,5 @@ def tagging(gold: Path | None, bert_base: Path | None, seed: int, json_path: Pat
     write_figures(json_path, figures_of(reports), f"doro eval tagging --seed {seed}", seed)
 
 
-for command in (counting, chairs, queries):
+for command in (counting, chairs, planning, queries):
     evaluate.add_command(command)
