@@ -30,8 +30,8 @@ MORE_WORDS: dict[str, tuple[str, ...]] = {
         """cooking|heating|warming|microwaving|washing|rinsing|cleaning|chilling|cooling|slicing"""
     ),
     "cooked": lines(
-        """a cooked|the heated|a warm|a microwaved|the washed|a rinsed|the clean|a chilled|
-        the cooled|a sliced|two chilled|a hot|the cold|a cleaned|a cut|the freshly washed"""
+        """cooked|heated|warm|microwaved|washed|rinsed|clean|chilled|cooled|sliced|hot|cold|
+        cleaned|cut|freshly washed|warmed|cooled down|cut up|wet|boiled|warmed up|washed|rinsed"""
     ),
     "appliance": lines(
         """in the microwave|in the fridge|in the sink|with the knife|in the refrigerator|
@@ -60,6 +60,7 @@ def more_slots(phrases: Phrases, rng: Random) -> dict[str, Callable[[str], str]]
     """Return the slots by name; each takes the slot's argument, which they do not need."""
     return {
         "name": lambda _: thing(rng),
+        "names": lambda _: plural(thing(rng)),
         "name2": lambda _: thing(rng),
         "name3": lambda _: thing(rng),
         "place": lambda _: place(rng, "P"),

@@ -52,9 +52,12 @@ bring <obj> <todest> <dest>
 <cook> <obj> <appliance>
 <cook> <obj> <appliance> and <put2> it <dest>
 <cook> <obj> , then <put2> it <dest> .
-<put> <cooked> <obj> <dest>
+<put> <cooked> {O <name>} <dest>
+<pol> <put> a <cooked> {O <name>} <dest>
+<put> the <cooked> <col> {O <name>} <dest> .
+<put> two <cooked> {O <names>} <dest>
+<verb> the <cooked> {O <name>}<from>
 <put> <obj> <dest> after <cooking> it
-<put> <obj> , <cooked> , <dest>
 take <obj> , <cook> it <appliance> , and <put2> it <dest> .
 <verb> <obj><from> , <cook> it <appliance> , <tail>
 <verb> <obj> and <cook> it <appliance>
@@ -124,6 +127,11 @@ see if you can find <ref>
 go find <ref>
 go and find <ref> for <person>
 go get <ref>
+i want to go to <ref> , lead the way
+show us the way to <ref>
+guide <person> over to <ref>
+how do i get to <ref> ?
+accompany <person> to <obj> <rel>
 try to find <ref> before you <go>
 help me find <ref>
 show <person> where <ref> is

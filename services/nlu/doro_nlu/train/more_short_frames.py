@@ -78,6 +78,9 @@ the <adj> one <rel>
 not <xcol> but <col>
 <xcol> ? no , <col>
 <col> and <col>
+i don't like the <xcol> one , give me the <col> one
+forget the <xcol> one . the <mat> one is right
+please not that <xcol> thing , i want the <col> one
 <col> with <wpart>
 """.strip().splitlines())  # fmt: skip
 
@@ -86,9 +89,6 @@ NOTHING = tuple("""
 <go> . <go> .
 <go> until you reach <plain>
 <go> while holding it
-<side>
-<side> and <side>
-<go> , <side> , <go>
 <it> , <go>
 <go> and <it>
 <go> . <it>
