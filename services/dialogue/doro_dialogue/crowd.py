@@ -19,8 +19,8 @@ from doro_dialogue.facts import (
 from doro_dialogue.surface import count_word, plural, predicate, without_article
 from doro_schemas.graph import ObjectGraph, Relation
 
-MAX_NAMED = 6
-"""Candidates that are named one by one; the paper has up to five."""
+MAX_NAMED = 5
+"""Clauses that a question names one by one; the paper has up to five copies."""
 
 MAX_BUNCHES = 4
 MAX_VALUES = 7
@@ -58,12 +58,17 @@ class _Cut(msgspec.Struct, frozen=True):
     def largest(self) -> int:
         return max([len(self.rest), *map(len, self.kinds.values())])
 
+    @property
+    def cost(self) -> int:
+        """What is left to ask about at worst, and what has no name to be asked for."""
+        return self.largest + len(self.rest)
+
 
 def bunches(candidates: Sequence[Candidate], skip: Sequence[str] = ()) -> list[Bunch]:
     """Return the bunches of the best cut, the largest first, what is left over last.
 
-    The best cut leaves the smallest bunch to ask about next; among equals the documented order
-    of facts decides. Empty where every cut would leave one bunch.
+    The best cut leaves the smallest bunch to ask about next and the fewest without a name;
+    among equals the documented order of facts decides. Empty where nothing cuts them.
 
     Args:
         skip: types of facts that all share.
@@ -74,7 +79,7 @@ def bunches(candidates: Sequence[Candidate], skip: Sequence[str] = ()) -> list[B
     useful = [cut for cut in cuts if cut.largest < len(candidates) and len(cut.kinds) > 0]
     if not useful:
         return []
-    best = min(useful, key=lambda cut: (cut.largest, cut.order))
+    best = min(useful, key=lambda cut: (cut.cost, cut.order))
     return _bunched(best)
 
 
