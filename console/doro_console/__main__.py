@@ -11,6 +11,7 @@ import click
 import msgspec
 from rich.console import Console
 
+from doro_console.caption import caption
 from doro_console.evaluate import evaluate
 from doro_console.hosts import hosts
 from doro_console.media import import_folder, play, record
@@ -39,7 +40,9 @@ def main() -> None:
 @click.option("--room", "recording", type=click.Path(path_type=Path), help="A recording (MCAP).")
 @click.option("--instruction", "-i", "instructions", multiple=True, help="May be repeated.")
 @click.option("--out", type=click.Path(path_type=Path, file_okay=False), default=OUT)
-@click.option("--backend", type=click.Choice(["oracle", "captioner", "coco", "onnx"]), default="oracle")
+@click.option(
+    "--backend", type=click.Choice(["oracle", "captioner", "coco", "onnx"]), default="oracle"
+)
 @click.option("--json", "as_json", is_flag=True, help="Queries as JSON lines on stdout.")
 @common_options
 @says_refusals
@@ -238,7 +241,7 @@ def bench_dialogue(json_path: Path | None, count: int, scenes: int, through_bus:
     run_bench_dialogue(json_path, count, scenes, through_bus)
 
 
-for command in (play, record, import_folder, rooms, hosts, evaluate, study, tune):
+for command in (play, record, import_folder, rooms, hosts, evaluate, study, tune, caption):
     main.add_command(command)
 rooms.add_command(sheet)
 

@@ -36,6 +36,7 @@ from doro_schemas.messages import (
 )
 
 WAITING_FRAMES = 4
+MIN_IMAGE_SIDE_PX = 16
 Key = tuple[str, str, int]
 
 
@@ -112,6 +113,13 @@ class Perception:
         if self._backend is None:
             raise Refused(
                 "a colour frame came, but perception.backend is 'oracle': set it to 'captioner'",
+                episode=frame.episode,
+                frame=frame.frame,
+            )
+        if min(frame.height_px, frame.width_px) < MIN_IMAGE_SIDE_PX:
+            raise Refused(
+                f"the image is {frame.width_px}x{frame.height_px} px, too small to see anything"
+                f" in: send at least {MIN_IMAGE_SIDE_PX}x{MIN_IMAGE_SIDE_PX} px",
                 episode=frame.episode,
                 frame=frame.frame,
             )

@@ -1,0 +1,150 @@
+"""``doro caption`` and ``doro eval perception``: what the detectors see."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+import msgspec
+from rich.console import Console
+from rich.table import Table
+
+from doro_console.options import Common, common_options, says_refusals, talk
+
+if TYPE_CHECKING:
+    from doro_perception.settings import PerceptionSettings
+
+LOOKING = click.Choice(["captioner", "coco", "onnx"])
+FOLDER = click.Path(path_type=Path, file_okay=False)
+FILE = click.Path(path_type=Path, dir_okay=False)
+LOW_SCORE = 0.02
+SHOWN = ("map50", "map50_evaluated", "recall", "top1", "top3", "colour", "material")
+
+
+@click.command()
+@click.argument("images", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--out", default=Path("out/captions"), show_default=True, type=FOLDER)
+@click.option("--backend", type=LOOKING, default="captioner", show_default=True)
+@click.option("--relations/--no-relations", default=True, show_default=True)
+@click.option("--json", "as_json", is_flag=True, help="The messages as JSON lines on stdout.")
+@common_options
+@says_refusals
+def caption(
+    common: Common,
+    images: tuple[Path, ...],
+    out: Path,
+    backend: str,
+    relations: bool,
+    as_json: bool,
+) -> None:
+    """Draw boxes and captions into images; PNG files in --out.
+
+    An image that cannot be read is refused with a sentence, the others are done all the same.
+    """
+    import cv2
+
+    from doro_perception.draw import draw_captions
+    from doro_perception.files import describe_file
+    from doro_schemas.errors import Refused
+
+    settings = _settings(common, backend, relations=relations)
+    core = _core(settings)
+    out.mkdir(parents=True, exist_ok=True)
+    refused = 0
+    for number, path in enumerate(images):
+        try:
+            rgb, message = describe_file(core, path, number)
+        except Refused as error:
+            refused += 1
+            talk.print(f"{path}: {error.reason}", markup=False)
+            continue
+        picture = draw_captions(rgb, message)
+        target = out / f"{path.stem}.png"
+        cv2.imwrite(str(target), picture[..., ::-1])
+        if as_json:
+            click.echo(json.dumps({"image": str(path), **msgspec.to_builtins(message)}))
+        else:
+            click.echo(f"{path} -> {target}: {len(message.detections)} things")
+            for box in message.detections:
+                click.echo(f"  {box.score:.2f}  {box.caption}")
+            if message.unnamed:
+                click.echo(f"  and {len(message.unnamed)} that have no name")
+    if refused:
+        raise SystemExit(1)
+
+
+def _settings(common: Common, backend: str, *, relations: bool) -> PerceptionSettings:
+    from doro_perception.settings import PerceptionSettings
+    from doro_schemas.settings import load_settings
+
+    overrides = [*common.overrides, f"perception.backend={backend}"]
+    if relations:
+        overrides.append("perception.relations=boxes")
+    return load_settings("perception", PerceptionSettings, common.config, overrides)
+
+
+def _core(settings: PerceptionSettings) -> Any:
+    from doro_perception.backends import make_backend
+    from doro_perception.core import Perception
+    from doro_perception.stages import Stages
+
+    stages = Stages()
+    return Perception(settings, make_backend(settings, stages), stages=stages)
+
+
+@click.command("perception")
+@click.option("--backend", type=LOOKING, default="captioner", show_default=True)
+@click.option("--frames", default=30, show_default=True, help="Of each held-out room.")
+@click.option("--rooms", default=0, help="Only the first so many of the held-out rooms.")
+@click.option("--seed", default=7, show_default=True, help="Of copies and views.")
+@click.option("--shared", type=FOLDER, default=Path("../shared/data"), show_default=True)
+@click.option("--plot", type=FILE, help="Where to draw the reliability plot (PNG).")
+@click.option("--json", "json_path", type=FILE, help="Where to write the figures.")
+@common_options
+@says_refusals
+def perception(
+    common: Common,
+    backend: str,
+    frames: int,
+    rooms: int,
+    seed: int,
+    shared: Path,
+    plot: Path | None,
+    json_path: Path | None,
+) -> None:
+    """Boxes, names, colours and materials on rooms never trained on, and on real frames."""
+    from doro_evaluation.figures import write_figures
+    from doro_evaluation.perception import figures_of, measure, real, rendered
+    from doro_evaluation.perception_plot import draw_reliability
+    from doro_perception.backends import make_backend
+    from doro_perception.captioner import Captioner
+    from doro_perception.stages import Stages
+
+    settings = msgspec.structs.replace(
+        _settings(common, backend, relations=False),
+        captioner_threshold=LOW_SCORE,
+        score_threshold=max(LOW_SCORE, 0.05),
+        unnamed_threshold=2.0,
+    )
+    detector = make_backend(settings, Stages())
+    assert detector is not None
+    named = detector if isinstance(detector, Captioner) else None
+    sets = {"rendered": rendered(frames, seed, rooms)}
+    if (shared / "ai2thor_events_boxes").is_dir():
+        sets["real"] = real(shared)
+    else:
+        talk.print(f"{shared} has no ai2thor_events_boxes: rendered rooms only", markup=False)
+    measured = [measure(name, images, detector.detect, named) for name, images in sets.items()]
+    figures = {key: value for one in measured for key, value in figures_of(one).items()}
+    table = Table("", *(one.name for one in measured), title=f"{backend}, held-out images")
+    table.add_row("images", *(str(one.images) for one in measured))
+    for metric in (*SHOWN, "calibration_error", "top1_given_box", "top3_given_box"):
+        values = [figures.get(f"perception/{one.name}/{metric}", "") for one in measured]
+        table.add_row(metric, *(str(value) for value in values))
+    Console().print(table)
+    if plot is not None:
+        draw_reliability(plot, {one.name: one.detected.certain for one in measured})
+    command = f"doro eval perception --backend {backend} --frames {frames} --seed {seed}"
+    write_figures(json_path, figures, command, seed)
