@@ -10,6 +10,7 @@ of facts: color, material, other attributes, is-on, is-at, is-near, other relati
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 from itertools import combinations
 
 import msgspec
@@ -17,6 +18,7 @@ import msgspec
 from doro_dialogue.facts import (
     IS_AT,
     IS_ON,
+    WORDS_CACHED,
     Attribute,
     Candidate,
     Fact,
@@ -72,17 +74,23 @@ class _Option(msgspec.Struct, frozen=True):
 
 def discriminate(candidates: Sequence[Candidate]) -> list[Group]:
     """Return a group for every candidate or set of twins; those called "other" come last."""
-    twins: dict[Key, list[Candidate]] = {}
-    for candidate in candidates:
-        twins.setdefault(graph_key(candidate.graph), []).append(candidate)
-    graphs = [members[0].graph for members in twins.values()]
+    twins = twins_of(candidates)
+    graphs = [members[0].graph for members in twins]
     index = _Index(graphs)
     groups = []
-    for i, members in enumerate(twins.values()):
+    for i, members in enumerate(twins):
         facts, other = index.smallest(i)
         graph = graph_with(graphs[i].name, facts)
         groups.append(Group([one.id for one in members], graph, graphs[i], other))
     return sorted(groups, key=_order)
+
+
+def twins_of(candidates: Sequence[Candidate]) -> list[list[Candidate]]:
+    """Return the candidates by what is known of them; several together are twins."""
+    twins: dict[Key, list[Candidate]] = {}
+    for candidate in candidates:
+        twins.setdefault(graph_key(candidate.graph), []).append(candidate)
+    return list(twins.values())
 
 
 def _order(group: Group) -> tuple[bool, int]:
@@ -99,12 +107,14 @@ class _Index:
         self._true: dict[Key, int] = {}
         self._known: dict[str, int] = {}
         self._names = [name_of(graph.name) for graph in graphs]
-        self._facts = [list(_variants(graph)) for graph in graphs]
+        self._facts = [
+            [(fact, size, _key(fact)) for fact, size in _variants(graph)] for graph in graphs
+        ]
         for i, (name, facts) in enumerate(zip(self._names, self._facts, strict=True)):
             bit = 1 << i
             self._add(("name", name), [("name", n) for n in _broader_names(name)], bit)
-            for fact, _ in facts:
-                self._add(_key(fact), _implied(fact), bit)
+            for fact, _, key in facts:
+                self._add(key, _implied(fact, key), bit)
                 # Being near one thing excludes no other: nothing there contradicts.
                 if isinstance(fact, Attribute) or fact.type in (IS_ON, IS_AT):
                     self._known[fact.type] = self._known.get(fact.type, 0) | bit
@@ -132,8 +142,9 @@ class _Index:
     def _options(self, i: int) -> list[_Option]:
         """Return the facts of group ``i``; of those that exclude the same groups, the best."""
         best: dict[tuple[int, int, int], _Option] = {}
-        for order, (fact, size) in enumerate(self._facts[i]):
-            key = _key(fact)
+        for order, (fact, size, key) in enumerate(self._facts[i]):
+            if self._same[key] == self._all:
+                continue
             option = _Option(
                 fact=fact,
                 size=size,
@@ -143,10 +154,9 @@ class _Index:
                 known=self._known.get(fact.type, 0),
             )
             slot = (option.same, option.true, option.known)
-            if option.same != self._all:
-                kept = best.setdefault(slot, option)
-                if (option.size, option.order) < (kept.size, kept.order):
-                    best[slot] = option
+            kept = best.setdefault(slot, option)
+            if (option.size, option.order) < (kept.size, kept.order):
+                best[slot] = option
         return sorted(best.values(), key=lambda option: (option.size, option.order))[:MAX_OPTIONS]
 
 
@@ -236,17 +246,18 @@ def _key(fact: Fact) -> Key:
     return (fact.type + _INVERSE * fact.inverse, *graph_key(fact.target))
 
 
-def _implied(fact: Fact) -> list[Key]:
-    """Return the keys of broader facts that this one implies, itself left out."""
+def _implied(fact: Fact, key: Key) -> list[Key]:
+    """Return the keys of broader facts that this one, with its key, implies."""
     if isinstance(fact, Attribute):
         return [(fact.type, value) for value in broader_values(value_of(fact.value))[1:]]
-    name, own, relations = graph_key(fact.target)
+    _, name, own, relations = key
     types = (IS_ON, IS_AT) if fact.type == IS_ON else (fact.type,)
     mark = _INVERSE * fact.inverse
     names = _broader_names(str(name))
     return [(type_ + mark, one, own, relations) for type_ in types for one in names]
 
 
-def _broader_names(name: str) -> list[str]:
+@lru_cache(WORDS_CACHED)
+def _broader_names(name: str) -> tuple[str, ...]:
     split = name.split(" ")
-    return [" ".join(split[i:]) for i in range(len(split))]
+    return tuple(" ".join(split[i:]) for i in range(len(split)))

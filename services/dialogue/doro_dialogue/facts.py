@@ -57,12 +57,22 @@ def rank(fact: Fact) -> tuple[int, str]:
     color, material, other attributes, is-on, is-at, is-near, other relations, inverse ones;
     types that share a place are ordered by name.
     """
-    attribute = isinstance(fact, Attribute)
-    order = ATTRIBUTE_ORDER if attribute else RELATION_ORDER
-    place = order.index(fact.type) if fact.type in order else len(order)
-    if isinstance(fact, Relation) and fact.inverse:
-        return (20 + place, fact.type)
-    return (place if attribute else 10 + place, fact.type)
+    if isinstance(fact, Attribute):
+        return _attribute_rank(fact.type)
+    return _relation_rank(fact.type, fact.inverse)
+
+
+@lru_cache(WORDS_CACHED)
+def _attribute_rank(kind: str) -> tuple[int, str]:
+    order = ATTRIBUTE_ORDER
+    return (order.index(kind) if kind in order else len(order), kind)
+
+
+@lru_cache(WORDS_CACHED)
+def _relation_rank(kind: str, inverse: bool) -> tuple[int, str]:
+    order = RELATION_ORDER
+    place = order.index(kind) if kind in order else len(order)
+    return ((20 if inverse else 10) + place, kind)
 
 
 def facts_of(graph: ObjectGraph) -> list[Fact]:
@@ -101,9 +111,11 @@ def shallow(relation: Relation) -> Relation:
 
 def graph_key(graph: ObjectGraph) -> tuple[object, ...]:
     """Return a value that is equal for graphs that say the same in canonical words."""
-    own = sorted((key, value_of(value)) for key, value in graph.attributes.items())
-    relations = sorted({repr((r.type, r.inverse, graph_key(r.target))) for r in graph.relations})
-    return (name_of(graph.name), tuple(own), tuple(relations))
+    own = [(key, value_of(value)) for key, value in graph.attributes.items()]
+    relations = [(one.type, one.inverse, graph_key(one.target)) for one in graph.relations]
+    if len(relations) > 1:
+        relations = sorted(dict.fromkeys(relations), key=repr)
+    return (name_of(graph.name), tuple(sorted(own)), tuple(relations))
 
 
 def natural_order(candidates: Sequence[Candidate]) -> list[Candidate]:
@@ -111,9 +123,10 @@ def natural_order(candidates: Sequence[Candidate]) -> list[Candidate]:
     return sorted(candidates, key=lambda candidate: (_natural(candidate.id), candidate.id))
 
 
-def _natural(text: str) -> list[tuple[int, int, str]]:
+@lru_cache(WORDS_CACHED)
+def _natural(text: str) -> tuple[tuple[int, int, str], ...]:
     parts = re.findall(r"[0-9]+|[^0-9]+", text)
-    return [(0, int(part), "") if part.isdecimal() else (1, 0, part) for part in parts]
+    return tuple((0, int(part), "") if part.isdecimal() else (1, 0, part) for part in parts)
 
 
 def check_depth(graph: ObjectGraph, owner: str) -> None:

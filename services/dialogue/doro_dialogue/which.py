@@ -8,7 +8,7 @@ import msgspec
 
 from doro_dialogue.crowd import MAX_NAMED, Bunch, bunches
 from doro_dialogue.decision import Decision
-from doro_dialogue.discriminate import Group, discriminate
+from doro_dialogue.discriminate import Group, discriminate, twins_of
 from doro_dialogue.facts import (
     COLOR,
     Attribute,
@@ -36,9 +36,10 @@ def ask_which(decision: Decision, carries: bool) -> Question:
     view shows side by side are told apart by side. More than a person can keep in mind are
     told by kind ("twelve cups: five red, four blue, and three more").
     """
-    groups = discriminate([one.candidate for one in decision.offered])
-    if len(groups) > MAX_NAMED:
+    offered = [one.candidate for one in decision.offered]
+    if len(offered) > MAX_NAMED and len(twins_of(offered)) > MAX_NAMED:
         return _ask_crowd(decision, carries)
+    groups = discriminate(offered)
     rows = _rows(decision, groups)
     alone = len(groups) == 1
     texts, parts = [], []
