@@ -8,7 +8,6 @@ from mapper_scene import LENS, SIZE_PX, Thing, messages, room, shoot, table, wal
 
 from doro_mapper.core import Mapper
 from doro_mapper.hashmaps import HashMaps
-from doro_mapper.projection import Samples
 from doro_mapper.settings import MapperSettings
 from doro_mapper.views import Views, camera_of
 from doro_schemas.camera import pose_from_ai2thor
@@ -24,20 +23,26 @@ def view(views: Views, depth_m: float = 4.0, yaw_deg: float = 0.0) -> int:
     return views.add(camera_of(LENS, pose, (SIZE_PX, SIZE_PX)), depth)
 
 
-def sample(*weights: float) -> Samples:
-    """Points in the one cell at (0.02, 2.02, 1.02)."""
-    return Samples(np.array([[0.02, 2.02, 1.02]] * len(weights)), np.array(weights))
+PLACE = [0.02, 2.02, 1.02]
+
+
+def merge(maps: HashMaps, views: Views, serial: int, *seen: tuple[int, list[float]]) -> None:
+    """Merge detections with samples of given weights, all in the cell at PLACE."""
+    weights = np.array([weight for _, own in seen for weight in own])
+    owner = np.array([k for k, (_, own) in enumerate(seen) for _ in own], dtype=np.int64)
+    points = np.tile(PLACE, (len(weights), 1))
+    maps.merge([graph for graph, _ in seen], (points, weights, owner), views, serial)
 
 
 def test_cell_takes_the_mean_weight_and_counts_frequency_and_views() -> None:
     views, maps = Views(16), HashMaps(0.05, 0.10, 1000)
     cup, _ = maps.graph_id(CUP)
     view(views)  # in view before anything was seen there
-    maps.merge([], views, 0)
-    maps.merge([(cup, sample(1.0, 0.5))], views, view(views))
-    maps.merge([], views, view(views, yaw_deg=180.0))  # looks away
-    maps.merge([], views, view(views, depth_m=1.0))  # occluded
-    maps.merge([(cup, sample(0.25))], views, view(views))
+    merge(maps, views, 0)
+    merge(maps, views, view(views), (cup, [1.0, 0.5]))
+    merge(maps, views, view(views, yaw_deg=180.0))  # looks away
+    merge(maps, views, view(views, depth_m=1.0))  # occluded
+    merge(maps, views, view(views), (cup, [0.25]))
     cells, weights = maps.published()
     assert cells.tolist() == [[cup, 0, 40, 10, 2, 3]]
     assert weights.tolist() == [1.0]
@@ -49,8 +54,7 @@ def test_order_of_seeing_and_looking_does_not_matter_for_observability() -> None
         views, maps = Views(16), HashMaps(0.05, 0.10, 1000)
         cup, _ = maps.graph_id(CUP)
         for step in range(4):
-            serial = view(views)
-            maps.merge([(cup, sample(1.0))] if step == hit else [], views, serial)
+            merge(maps, views, view(views), *([(cup, [1.0])] if step == hit else []))
         counts.append(maps.published()[0][0, 5])
     assert counts == [4, 4]
 
@@ -68,7 +72,7 @@ def test_graphs_are_identified_by_class_and_own_attributes() -> None:
 def test_different_graphs_share_no_cell() -> None:
     views, maps = Views(16), HashMaps(0.05, 0.10, 1000)
     cup, mug = maps.graph_id(CUP)[0], maps.graph_id(ObjectGraph("mug"))[0]
-    maps.merge([(cup, sample(1.0)), (mug, sample(0.5))], views, view(views))
+    merge(maps, views, view(views), (cup, [1.0]), (mug, [0.5]))
     assert maps.published()[0][:, 0].tolist() == [cup, mug]
     places, weights = maps.stacked([cup, mug])
     assert places.tolist() == [[0, 40, 10]]
@@ -79,7 +83,8 @@ def test_bound_on_cells_is_kept_and_counted() -> None:
     views, maps = Views(4), HashMaps(0.05, 0.10, 2)
     cup, _ = maps.graph_id(CUP)
     points = np.array([[x, 2.0, 1.0] for x in (0.01, 0.06, 0.11, 0.16)])
-    maps.merge([(cup, Samples(points, np.ones(4)))], views, view(views))
+    owner = np.zeros(4, np.int64)
+    maps.merge([cup], (points, np.ones(4), owner), views, view(views))
     assert len(maps) == 2
     assert maps.cells_dropped == 2
 
@@ -99,20 +104,28 @@ def test_deltas_add_up_to_the_snapshot() -> None:
     deltas = run(mapper)
     state: dict[tuple[int, ...], tuple[int, ...]] = {}
     graphs: dict[int, ObjectGraph] = {}
+    blocks: dict[tuple[int, ...], int] = {}
     for number, delta in enumerate(deltas):
         assert delta.seq == number
         if delta.reset:
-            state, graphs = {}, {}
+            state, graphs, blocks = {}, {}, {}
         graphs.update((entry.graph_id, entry.graph) for entry in delta.new_graphs)
         for cell, weight in zip(delta.cells.tolist(), delta.weights.tolist(), strict=True):
-            state[tuple(cell[:4])] = (*cell[4:], weight)
+            state[tuple(cell[:4])] = (cell[4], weight)
+        blocks.update({tuple(row[:3]): row[3] for row in delta.blocks.tolist()})
     grid = mapper.grid(GridRequest())
     snapshot = {
         tuple(cell[:4]): (*cell[4:], weight)
         for cell, weight in zip(grid.cells.tolist(), grid.weights.tolist(), strict=True)
     }
     assert len(snapshot) > 100
-    assert state == snapshot
+    # What the wire spec says: observable is the larger of frequency and the block's count.
+    read = {
+        key: (often, max(often, blocks[key[1] // 5, key[2] // 5, key[3] // 2]), weight)
+        for key, (often, weight) in state.items()
+    }
+    assert read == snapshot
+    assert blocks == {tuple(row[:3]): row[3] for row in grid.blocks.tolist()}
     assert graphs == {entry.graph_id: entry.graph for entry in grid.graphs}
     assert (grid.cells[:, 5] >= 1).all()
     assert grid.frames_merged == 8 == len(grid.path_m)

@@ -2,25 +2,47 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from doro_mapper.boxes import Boxes, distance, iou
+from doro_mapper.boxes import Boxes, distance, ious
 from doro_mapper.coverage import Coverage
-from doro_mapper.finder import Found, InstanceFinder, Sighting, names_agree
-from doro_mapper.hashmaps import HashMaps
-from doro_mapper.projection import Samples, measure
-from doro_mapper.regions import RegionFinder
+from doro_mapper.finder import (
+    Found,
+    FrameSightings,
+    InstanceFinder,
+    Sighting,
+    TrackSummary,
+    evidence_weight,
+    names_agree,
+)
+from doro_mapper.finders import make_finder
+from doro_mapper.hashmaps import HashMaps, Ints
+from doro_mapper.projection import Measured, measure
 from doro_mapper.settings import MapperSettings
-from doro_mapper.tracks import TrackFinder
-from doro_mapper.views import Camera, Views, camera_of
+from doro_mapper.shots import Shot, shot
+from doro_mapper.views import Floats, Views, camera_of
+from doro_schemas.camera import Pose
 from doro_schemas.messages import DepthFrame, FrameGraphs, GraphBox, GraphEntry
 from doro_schemas.vocabulary import name_satisfies
 
 SAME_PLACE = 0.5
+BY_DETECTION = (
+    "index",
+    "box_px",
+    "center_m",
+    "low_m",
+    "high_m",
+    "outer_low_m",
+    "outer_high_m",
+    "points_m",
+    "range_m",
+    "size_m",
+    "area_share",
+    "at_border",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +52,19 @@ class Change:
     new_graphs: list[GraphEntry]
     cells: NDArray[np.int32]
     weights: NDArray[np.float32]
+    blocks: NDArray[np.int32]
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """The map, as :class:`GridSnapshot` has it."""
+
+    graphs: list[GraphEntry]
+    cells: NDArray[np.int32]
+    weights: NDArray[np.float32]
+    blocks: NDArray[np.int32]
+    regions: NDArray[np.int32]
+    region_scores: NDArray[np.float32]
 
 
 class Area:
@@ -40,66 +75,131 @@ class Area:
         self.views = Views(settings.max_views)
         self.maps = HashMaps(settings.cell_m, settings.band_m, settings.max_cells)
         self.coverage = Coverage(settings.cell_m, settings.coverage_cell_m, settings.max_depth_m)
-        self.finder: InstanceFinder = (
-            TrackFinder(settings, self.views)
-            if settings.finder == "tracks"
-            else RegionFinder(settings, self.views, self.maps)
-        )
+        self.finder: InstanceFinder = make_finder(settings, self.views, self.maps)
+        self._serials: dict[tuple[str, int], int] = {}
+        self._shots: dict[int, Shot] = {}
         self._digest: str | None = None
 
     def merge(self, depth: DepthFrame, graphs: FrameGraphs, counters: dict[str, int]) -> Change:
         """Merge one frame: measure its detections, fill the hash maps, tell the finder."""
         self._digest = None
         depth_m = depth.depth_m()
-        camera = _camera(depth)
+        camera = camera_of(depth.intrinsics, depth.pose, (depth.width_px, depth.height_px))
         serial = self.views.add(camera, depth_m)
-        self.coverage.add(depth_m, camera, depth.pose)
-        measured = self._measured(depth, depth_m, graphs, serial, counters)
-        kept = without_duplicates(measured, self._settings.duplicate_iou)
-        counters["detections_duplicate"] += len(measured) - len(kept)
-        counters["detections_merged"] += len(kept)
+        self._remember(depth.camera, depth.frame, serial)
+        self.coverage.add(depth_m, camera)
+        frame = self._sighted(depth, depth_m, graphs, counters)
         first_new = len(self.maps.graphs)
-        cells = [(self.maps.graph_id(sighting.graph)[0], samples) for sighting, samples in kept]
-        rows = self.maps.merge(cells, self.views, serial)
-        self.finder.add(serial, [sighting for sighting, _ in kept])
+        ids = [self.maps.graph_id(sighting.graph)[0] for sighting in frame.sightings]
+        m = frame.measured
+        samples = (m.sample_points_m, m.sample_weights, m.sample_of)
+        rows, seen = self.maps.merge(ids, samples, self.views, serial)
+        self._shots[serial] = shot(ids, m, camera, self.maps.last_mass)
+        self._shots.pop(serial - self._settings.max_views, None)
+        self.finder.add(frame)
         counters["cells_dropped"] = self.maps.cells_dropped
-        return Change(self.maps.entries(first_new), *self.maps.published(rows))
+        cells, weights = self.maps.published(rows)
+        blocks = self.maps.blocks.published(seen)
+        return Change(self.maps.entries(first_new), cells, weights, blocks)
 
-    def _measured(
+    def _remember(self, camera: str, frame: int, serial: int) -> None:
+        self._serials[(camera, frame)] = serial
+        if len(self._serials) > self._settings.max_views:
+            del self._serials[next(iter(self._serials))]
+
+    def _sighted(
         self,
         depth: DepthFrame,
         depth_m: NDArray[np.float32],
         graphs: FrameGraphs,
-        serial: int,
         counters: dict[str, int],
-    ) -> list[tuple[Sighting, Samples]]:
-        """Measure all detections; count those that cannot be."""
+    ) -> FrameSightings:
+        """Measure all detections; count those that cannot be, and those that are double.
+
+        The frame's view has been added.
+        """
+        options, serial = self._settings, self.views.total - 1
+        camera = self.views.camera(serial)
+        boxes = _clipped(graphs.detections, depth.width_px, depth.height_px)
+        large = np.flatnonzero((boxes[:, 2:] - boxes[:, :2]).min(axis=1) >= options.min_box_px)
+        counters["detections_too_small"] += len(boxes) - len(large)
+        measured = measure(
+            depth_m,
+            boxes[large],
+            camera,
+            sigma=options.sigma,
+            samples=options.samples,
+            max_depth_m=options.max_depth_m,
+        )
+        counters["detections_without_depth"] += len(large) - len(measured)
+        own = [graphs.detections[int(large[k])] for k in measured.index.tolist()]
+        kept = without_duplicates(own, measured, options.duplicate_iou)
+        counters["detections_duplicate"] += len(own) - len(kept)
+        counters["detections_merged"] += len(kept)
+        if len(kept) < len(own):
+            own, measured = [own[k] for k in kept], _chosen(measured, kept)
+        sightings = [self._sighting(box, k, measured, serial, depth) for k, box in enumerate(own)]
+        return FrameSightings(serial, depth.camera, depth.frame, sightings, measured)
+
+    def _sighting(
+        self, box: GraphBox, k: int, measured: Measured, serial: int, depth: DepthFrame
+    ) -> Sighting:
+        weight = evidence_weight(
+            box.score,
+            float(measured.area_share[k]),
+            float(measured.range_m[k]),
+            bool(measured.at_border[k]),
+        )
+        return Sighting(
+            serial,
+            depth.camera,
+            depth.frame,
+            tuple(measured.box_px[k].tolist()),
+            box.score,
+            box.caption,
+            box.graph,
+            tuple(box.classes),
+            weight,
+        )
+
+    def correct(
+        self, camera: str, frames: list[int], poses: list[Pose]
+    ) -> tuple[int, Change | None]:
+        """Put frames where corrected poses say that they were taken.
+
+        Instances follow from the measurements kept; the hash maps are built again from
+        the points kept of each detection, coverage from the thumbnails.
+
+        Returns:
+            How many of the frames are known, and what that changed in the map.
+        """
+        known = 0
+        for frame, pose in zip(frames, poses, strict=True):
+            serial = self._serials.get((camera, frame))
+            if serial is not None and serial >= self.views.oldest:
+                old = self.views.camera(serial)
+                new = camera_of(old.intrinsics, pose, old.size_px)
+                self.finder.move(serial, old, new)
+                self.views.place(serial, new)
+                known += 1
+        if not known:
+            return 0, None
+        self._digest = None
+        self.finder.moved()
         options = self._settings
-        camera = _camera(depth)
-        out = []
-        for box in graphs.detections:
-            edges = _clipped(box, depth.width_px, depth.height_px)
-            if min(edges[2] - edges[0], edges[3] - edges[1]) < options.min_box_px:
-                counters["detections_too_small"] += 1
-                continue
-            measured = measure(
-                depth_m,
-                list(edges),
-                camera,
-                depth.pose,
-                sigma=options.sigma,
-                samples=options.samples,
-                max_depth_m=options.max_depth_m,
-            )
-            if measured is None:
-                counters["detections_without_depth"] += 1
-                continue
-            place, samples = measured
-            sighting = Sighting(
-                serial, depth.camera, depth.frame, edges, box.score, box.caption, box.graph, place
-            )
-            out.append((sighting, samples))
-        return out
+        self.coverage = Coverage(options.cell_m, options.coverage_cell_m, options.max_depth_m)
+        for serial in range(self.views.oldest, self.views.total):
+            self.coverage.add(self.views.thumb_m(serial), self.views.camera(serial))
+        cells, weights = self.maps.rebuild(self._shots, self.views)
+        return known, Change([], cells, weights, self.maps.blocks.published())
+
+    def lost(self) -> list[str]:
+        """Return ids that were given to things forgotten since."""
+        return self.finder.lost()
+
+    def tracks(self) -> list[TrackSummary]:
+        """Return what is being tracked."""
+        return self.finder.tracks()
 
     def find(self) -> list[Found]:
         """Return all instances as of now."""
@@ -111,46 +211,82 @@ class Area:
             self._digest = self.maps.digest()
         return self._digest
 
-    def snapshot(
-        self, name: str
-    ) -> tuple[list[GraphEntry], NDArray[np.int32], NDArray[np.float32]]:
-        """Return graphs, cells and weights of a class and its kinds; of all for no name."""
-        if not name:
-            return self.maps.entries(), *self.maps.published()
-        entries = [e for e in self.maps.entries() if name_satisfies(name, e.graph.name)]
+    def snapshot(self, name: str) -> Snapshot:
+        """Return graphs, cells and scores of a class and its kinds; of all for no name."""
+        entries = [
+            entry
+            for entry in self.maps.entries()
+            if not name or name_satisfies(name, entry.graph.name)
+        ]
         rows = self.maps.rows_of([entry.graph_id for entry in entries])
-        return entries, *self.maps.published(rows)
+        cells, weights = self.maps.published(rows)
+        side = max(1, round(self._settings.region_m / self._settings.cell_m))
+        regions, scores = region_scores(cells, weights, side)
+        return Snapshot(entries, cells, weights, self.maps.blocks.published(), regions, scores)
 
 
-def _camera(depth: DepthFrame) -> Camera:
-    return camera_of(depth.intrinsics, depth.pose, (depth.width_px, depth.height_px))
+def region_scores(
+    cells: NDArray[np.int32], weights: NDArray[np.float32], side: int
+) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+    """Return regions int32 (k, 3) graph, a, b and the paper's occupancy scores O(R), (k,).
+
+    Sums of weights over the cells of a region, normalised by graph.
+
+    Args:
+        side: cells along the edge of a region.
+    """
+    places = np.column_stack([cells[:, 0], cells[:, 1] // side, cells[:, 2] // side])
+    regions, inverse = np.unique(places, axis=0, return_inverse=True)
+    sums = np.bincount(inverse.ravel(), weights, minlength=len(regions))
+    whole = np.bincount(regions[:, 0], sums) if len(regions) else np.zeros(0)
+    scores = sums / np.maximum(whole[regions[:, 0]], 1e-12) if len(regions) else sums
+    return regions.astype(np.int32).reshape(-1, 3), scores.astype(np.float32)
 
 
-def _clipped(box: GraphBox, width_px: int, height_px: int) -> tuple[float, float, float, float]:
-    """Return the box inside the image (the wire tolerates half a pixel)."""
-    xmin, ymin, xmax, ymax = box.box_px
-    return max(0.0, xmin), max(0.0, ymin), min(float(width_px), xmax), min(float(height_px), ymax)
+def _clipped(detections: list[GraphBox], width_px: int, height_px: int) -> Floats:
+    """Return the boxes inside the image (the wire tolerates half a pixel), (n, 4)."""
+    boxes = np.array([box.box_px for box in detections], dtype=np.float64).reshape(-1, 4)
+    return np.clip(boxes, 0.0, np.array([width_px, height_px, width_px, height_px], float))
 
 
-def without_duplicates(
-    measured: list[tuple[Sighting, Any]], most_iou: float
-) -> list[tuple[Sighting, Any]]:
-    """Drop boxes of one class that nearly coincide in image and space; the higher score stays.
+def _chosen(measured: Measured, kept: list[int]) -> Measured:
+    """Return some of the measurements, in order."""
+    rows: Ints = np.array(kept, dtype=np.int64)
+    place = np.full(len(measured), -1)
+    place[rows] = np.arange(len(rows))
+    own = place[measured.sample_of] >= 0
+    return replace(
+        measured,
+        **{name: getattr(measured, name)[rows] for name in BY_DETECTION},
+        sample_points_m=measured.sample_points_m[own],
+        sample_weights=measured.sample_weights[own],
+        sample_of=place[measured.sample_of][own],
+    )
+
+
+def without_duplicates(own: list[GraphBox], measured: Measured, most_iou: float) -> list[int]:
+    """Return which detections stay where boxes of one thing nearly coincide in image and space.
 
     Detections of one frame are different things to the finder (cannot-link), so a detector's
-    double boxes would become double instances. Order is kept.
+    double boxes would become double instances. The higher score stays. Two boxes are of one
+    thing when their classes agree, or when one's class is among those that the other's
+    detector thought possible.
     """
-    ranking = sorted(range(len(measured)), key=lambda i: (-measured[i][0].score, i))
+    overlap = ious(measured.box_px)
+    np.fill_diagonal(overlap, 0.0)
+    if not (overlap >= most_iou).any():
+        return list(range(len(own)))
+    boxes = Boxes(measured.center_m, measured.low_m, measured.high_m)
+    same = (overlap >= most_iou) & (distance(boxes, boxes, measured.range_m) < SAME_PLACE)
     kept: list[int] = []
-    for i in ranking:
-        if not any(_same(measured[i][0], measured[j][0], most_iou) for j in kept):
+    for i in sorted(range(len(own)), key=lambda i: (-own[i].score, i)):
+        if not any(same[i, j] and _one_class(own[i], own[j]) for j in kept):
             kept.append(i)
-    return [measured[i] for i in sorted(kept)]
+    return sorted(kept)
 
 
-def _same(a: Sighting, b: Sighting, most_iou: float) -> bool:
-    if not names_agree(a.graph.name, b.graph.name) or iou(a.box_px, b.box_px) < most_iou:
-        return False
-    boxes = [Boxes(p.center_m[None], p.low_m[None], p.high_m[None]) for p in (a.place, b.place)]
-    gap = distance(boxes[0], boxes[1], np.array([a.place.range_m]))
-    return bool(gap[0, 0] < SAME_PLACE)
+def _one_class(a: GraphBox, b: GraphBox) -> bool:
+    names = [{box.graph.name, *(one.name for one in box.classes)} for box in (a, b)]
+    return names_agree(a.graph.name, b.graph.name) or (
+        a.graph.name in names[1] or b.graph.name in names[0]
+    )

@@ -62,9 +62,11 @@ def covered(boxes: Floats, others: Floats) -> tuple[Floats, Floats]:
     return inter / np.maximum(1.0, np.minimum(area, other)), area / np.maximum(1.0, other)
 
 
-def iou(a: tuple[float, ...], b: tuple[float, ...]) -> float:
-    """Return intersection over union of two image boxes."""
-    wide = max(0.0, min(a[2], b[2]) - max(a[0], b[0]))
-    tall = max(0.0, min(a[3], b[3]) - max(a[1], b[1]))
-    both = (a[2] - a[0]) * (a[3] - a[1]) + (b[2] - b[0]) * (b[3] - b[1])
-    return wide * tall / (both - wide * tall)
+def ious(boxes_px: Floats) -> Floats:
+    """Return intersection over union of all pairs of image boxes, (n, n)."""
+    low = np.maximum(boxes_px[:, None, :2], boxes_px[None, :, :2])
+    high = np.minimum(boxes_px[:, None, 2:], boxes_px[None, :, 2:])
+    inter = np.clip(high - low, 0, None).prod(axis=2)
+    area = (boxes_px[:, 2:] - boxes_px[:, :2]).prod(axis=1)
+    out: Floats = inter / np.maximum(area[:, None] + area[None] - inter, 1e-9)
+    return out

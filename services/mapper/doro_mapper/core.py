@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from doro_mapper.area import Area
+from doro_mapper.area import Area, Change
+from doro_mapper.canonical import canonical
 from doro_mapper.carried import with_carried
-from doro_mapper.instances import build
-from doro_mapper.join import Half, Join, Key
+from doro_mapper.finder import TrackSummary
+from doro_mapper.instances import Answer, build
+from doro_mapper.join import FrameRuns, Half, Join, Key
 from doro_mapper.settings import MapperSettings
-from doro_mapper.track import Track
-from doro_mapper.tracks import TrackFinder
 from doro_schemas.camera import World
 from doro_schemas.effects import Output
 from doro_schemas.errors import Refused
-from doro_schemas.graph import ObjectGraph, Relation
 from doro_schemas.messages import (
     DepthFrame,
     Exploration,
@@ -22,22 +21,35 @@ from doro_schemas.messages import (
     GridDelta,
     GridRequest,
     GridSnapshot,
-    Instance,
     Instances,
     InstancesRequest,
+    PoseCorrections,
     Rejected,
 )
 from doro_schemas.topics import topic_of
-from doro_schemas.vocabulary import canonical_name, canonical_value, name_satisfies
+from doro_schemas.vocabulary import name_satisfies
 
 MAX_ENDED = 64
+COUNTERS = (
+    "frames_merged",
+    "detections_merged",
+    "detections_without_depth",
+    "detections_too_small",
+    "detections_duplicate",
+    "duplicates",
+    "late",
+    "pending_dropped",
+    "resets",
+    "cells_dropped",
+    "frames_corrected",
+)
 
 
 class Mapper:
     """Joins depth and graphs by frame, keeps the map, answers for instances and grid.
 
     Frames are merged in the order in which their second half arrives. Memory is bounded by the
-    settings: pending frames, views, cells (see the README).
+    settings: pending frames, views, tracks, cells (see the README).
     """
 
     def __init__(self, settings: MapperSettings) -> None:
@@ -46,27 +58,13 @@ class Mapper:
         self._area = Area(settings)
         self._episode: str | None = None
         self._ended: dict[str, None] = {}
-        self._merged: set[Key] = set()
+        self._merged = FrameRuns()
         self._seq = 0
         self._stamp_ns = 0
         self._last_frame = -1
         self._world: World | None = None
-        self._answer: list[Instance] | None = None
-        self.counters: dict[str, int] = dict.fromkeys(
-            (
-                "frames_merged",
-                "detections_merged",
-                "detections_without_depth",
-                "detections_too_small",
-                "detections_duplicate",
-                "duplicates",
-                "late",
-                "pending_dropped",
-                "resets",
-                "cells_dropped",
-            ),
-            0,
-        )
+        self._answer: Answer | None = None
+        self.counters: dict[str, int] = dict.fromkeys(COUNTERS, 0)
 
     @property
     def pending(self) -> int:
@@ -90,10 +88,32 @@ class Mapper:
         if message.state != "started":
             return []
         self._stamp_ns = message.stamp_ns
-        if message.episode != self._episode or self._merged:
+        if message.episode != self._episode or len(self._merged):
             return self._reset(message.episode)
         # Depth that came before the word "started" on another key waits on.
         return [self._reset_delta()]
+
+    def pose_corrections(self, message: PoseCorrections) -> list[Output]:
+        """Place frames anew; the delta says which cells the map has now.
+
+        Raises:
+            Refused: the poses are in another world than the map, or of another episode.
+        """
+        self._check_episode(message.episode)
+        if message.poses and message.poses[0].world != self._world:
+            raise Refused(
+                f"corrected poses are in a '{message.poses[0].world}' world but the map is in"
+                f" '{self._world or 'none yet'}': send them as the frames were sent",
+                episode=message.episode,
+            )
+        known, change = self._area.correct(message.camera, message.frames, message.poses)
+        self.counters["frames_corrected"] += known
+        if not known or change is None:
+            return []
+        self._answer = None
+        self._stamp_ns = message.stamp_ns
+        self._seq += 1
+        return [self._delta(change, message.camera, -1, known)]
 
     def instances(self, request: InstancesRequest) -> Instances:
         """Return the unique instances of a class and its kinds; of all classes for no name.
@@ -102,20 +122,34 @@ class Mapper:
             Refused: the request is about another episode than the map.
         """
         self._check_episode(request.episode)
+        area, world = self._area, self._world or "unity"
         if self._answer is None:
-            self._answer = build(self._area.find(), self._world or "unity", self._settings)
+            self._answer = build(area.find(), area.lost(), world, self._settings)
+        answer = self._answer
         wanted = request.name.strip()
-        chosen = [i for i in self._answer if not wanted or name_satisfies(wanted, i.graph.name)]
+        chosen = [i for i in answer.counted if not wanted or name_satisfies(wanted, i.graph.name)]
+        loose = [i for i in answer.tentative if not wanted or name_satisfies(wanted, i.graph.name)]
         return Instances(
             stamp_ns=self._stamp_ns,
             episode=self._episode or "",
             name=request.name,
             frames_merged=len(self._merged),
             last_frame=self._last_frame,
-            digest=self._area.digest(),
-            unseen_share=self._area.coverage.unseen_share(),
-            instances=with_carried(chosen, self._answer, request.carried, self._world or "unity"),
+            digest=area.digest(),
+            unseen_share=area.coverage.unseen_share(),
+            instances=with_carried(chosen, answer.counted, request.carried, world),
+            tentative=loose,
+            gone=answer.gone_of(wanted),
+            one_sided_share=area.coverage.one_sided_share(),
         )
+
+    def tracks(self) -> list[TrackSummary]:
+        """Return what is being tracked, whether it counts or not; map axes."""
+        return self._area.tracks()
+
+    def unseen_share(self) -> float:
+        """Return the share of the area inside the map's bounds that no frame observed."""
+        return self._area.coverage.unseen_share()
 
     def grid(self, request: GridRequest) -> GridSnapshot:
         """Return the whole map, or the graphs and cells of one class and its kinds.
@@ -124,30 +158,28 @@ class Mapper:
             Refused: the request is about another episode than the map.
         """
         self._check_episode(request.episode)
-        entries, cells, weights = self._area.snapshot(request.name.strip())
+        area, settings = self._area, self._settings
+        shown = area.snapshot(request.name.strip())
         return GridSnapshot(
             stamp_ns=self._stamp_ns,
             episode=self._episode or "",
             frames_merged=len(self._merged),
             last_frame=self._last_frame,
-            cell_m=self._settings.cell_m,
-            band_m=self._settings.band_m,
-            graphs=entries,
-            digest=self._area.digest(),
-            cells=cells,
-            weights=weights,
-            floor=self._area.coverage.floor(),
-            path_m=self._area.coverage.path_m(),
+            cell_m=settings.cell_m,
+            band_m=settings.band_m,
+            graphs=shown.graphs,
+            digest=area.digest(),
+            cells=shown.cells,
+            weights=shown.weights,
+            floor=area.coverage.floor(),
+            path_m=area.coverage.path_m(),
+            blocks=shown.blocks,
+            squares=area.coverage.squares(),
+            regions=shown.regions,
+            region_scores=shown.region_scores,
+            square_m=settings.coverage_cell_m,
+            region_m=settings.region_m,
         )
-
-    def tracks(self) -> list[Track]:
-        """Return the object tracks as they stand, for the planner; none with other finders."""
-        finder = self._area.finder
-        return finder.tracks() if isinstance(finder, TrackFinder) else []
-
-    def unseen_share(self) -> float:
-        """Return the share of the area that no frame observed, 0..1."""
-        return self._area.coverage.unseen_share()
 
     def _check_episode(self, episode: str) -> None:
         if episode and episode != self._episode:
@@ -193,18 +225,23 @@ class Mapper:
         self._stamp_ns = depth.stamp_ns
         self._seq += 1
         self.counters["frames_merged"] += 1
+        return self._delta(change, depth.camera, depth.frame, 0)
+
+    def _delta(self, change: Change, camera: str, frame: int, corrected: int) -> GridDelta:
         return GridDelta(
-            stamp_ns=depth.stamp_ns,
+            stamp_ns=self._stamp_ns,
             episode=self._episode or "",
             seq=self._seq,
-            camera=depth.camera,
-            frame=depth.frame,
+            camera=camera,
+            frame=frame,
             frames_merged=len(self._merged),
             cell_m=self._settings.cell_m,
             band_m=self._settings.band_m,
             new_graphs=change.new_graphs,
             cells=change.cells,
             weights=change.weights,
+            blocks=change.blocks,
+            corrected=corrected,
         )
 
     def _reset(self, episode: str) -> list[Output]:
@@ -217,7 +254,7 @@ class Mapper:
         self._episode = episode
         self._join.clear()
         self._area = Area(self._settings)
-        self._merged.clear()
+        self._merged = FrameRuns()
         self._world = None
         self._answer = None
         self._last_frame = -1
@@ -256,27 +293,3 @@ class Mapper:
             ),
             frame=key[1],
         )
-
-
-def canonical(graphs: FrameGraphs) -> FrameGraphs:
-    """Return the message with canonical names and values in all graphs."""
-
-    def graph(own: ObjectGraph) -> ObjectGraph:
-        return ObjectGraph(
-            canonical_name(own.name),
-            {kind: canonical_value(value) for kind, value in sorted(own.attributes.items())},
-            [Relation(one.type, graph(one.target), one.inverse) for one in own.relations],
-        )
-
-    return FrameGraphs(
-        stamp_ns=graphs.stamp_ns,
-        episode=graphs.episode,
-        camera=graphs.camera,
-        frame=graphs.frame,
-        height_px=graphs.height_px,
-        width_px=graphs.width_px,
-        detections=[
-            type(box)(box.box_px, box.score, graph(box.graph), box.caption, box.classes)
-            for box in graphs.detections
-        ],
-    )

@@ -2,16 +2,32 @@
 
 from __future__ import annotations
 
+import functools
+import math
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from doro_mapper.projection import Measurement
-from doro_mapper.views import Floats
+from doro_mapper.projection import Measured
+from doro_mapper.views import Camera, Floats
 from doro_schemas.graph import ObjectGraph
+from doro_schemas.messages import ClassProbability
 from doro_schemas.vocabulary import name_satisfies
+
+if TYPE_CHECKING:
+    from doro_mapper.votes import Votes
+
+BORDER_WEIGHT = 0.3
+FULL_AREA_SHARE = 4000 / 90000
+GRAPH_MISMATCH = 2.0
+"""Factor on the distance between things whose attributes contradict each other."""
+NEVER = 99.0
+DETECTED, FALSE = 0.6, 0.02
+"""How often a thing in view is detected, and how often something is where nothing is."""
+Look = tuple[str, dict[str, str]]
+"""Class, and value by attribute type."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,16 +37,34 @@ class Sighting:
     Attributes:
         serial: the frame's number in order of merging.
         graph: canonical graph of the detection, relations included.
+        classes: the detector's class distribution, canonical; may be empty.
+        weight: what it counts in votes and geometry.
     """
 
     serial: int
     camera: str
     frame: int
-    box_px: tuple[float, float, float, float]
+    box_px: tuple[float, ...]
     score: float
     caption: str
     graph: ObjectGraph
-    place: Measurement
+    classes: tuple[ClassProbability, ...] = ()
+    weight: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class FrameSightings:
+    """All sightings of one frame; row k of ``measured`` is where ``sightings[k]`` is."""
+
+    serial: int
+    camera: str
+    frame: int
+    sightings: list[Sighting]
+    measured: Measured
+
+    def weights(self) -> Floats:
+        """Return the sightings' weights, (n,)."""
+        return np.array([sighting.weight for sighting in self.sightings])
 
 
 @dataclass(slots=True)
@@ -38,43 +72,108 @@ class Found:
     """An instance as a finder sees it; map axes, metres.
 
     Attributes:
+        instance_id: its id for good; empty where the finder gives none.
+        replaced: ids of things that turned out to be this one.
         name: class.
         low_m, high_m: axis-aligned box.
-        sightings: its views, in order.
-        weights: evidence of each sighting, for votes.
-        misses: frames that should have seen it and did not.
+        hits, misses: frames that saw it; frames that should have and did not.
+        votes: of its views.
+        covariance_m2: (3, 3) of the centre.
+        version: changes whenever anything else here does; a key for caches.
+        first: serial of the first view, where ``instance_id`` is empty.
+        tentative: too little speaks for it to count.
+        parts: messages made of it, kept by who made them.
+        gone: its place was looked at again and it was not there.
     """
 
     name: str
     center_m: Floats
     low_m: Floats
     high_m: Floats
-    sightings: list[Sighting]
-    weights: list[float]
+    hits: int
     misses: int
+    votes: Votes
     points_m: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 3), np.float32))
+    covariance_m2: Floats = field(default_factory=lambda: np.zeros((3, 3)))
+    instance_id: str = ""
+    version: tuple[int, ...] = ()
+    first: int = 0
+    tentative: bool = False
+    gone: bool = False
+    replaced: tuple[str, ...] = ()
+    parts: Any = None
 
     @property
-    def hits(self) -> int:
-        """Number of frames that saw it."""
-        return len({sighting.serial for sighting in self.sightings})
+    def confidence(self) -> float:
+        """Probability that it exists, from hits and misses alone."""
+        odds = self.hits * math.log(DETECTED / FALSE)
+        odds += self.misses * math.log((1 - DETECTED) / (1 - FALSE))
+        return 1 / (1 + math.exp(-max(-30.0, min(30.0, odds - PRIOR))))
+
+
+PRIOR = math.log(9.0)
+"""Of ten tracks that a detector opens, one is a thing."""
+
+
+@dataclass(frozen=True, slots=True)
+class TrackSummary:
+    """A track as a planner of views needs it; map axes, metres.
+
+    Attributes:
+        key: (row, birth): the same for the same track, never used again.
+        related: captions state relations of it.
+        spread_m: standard error of its centre.
+        serials: views kept that saw it.
+    """
+
+    key: tuple[int, int]
+    name: str
+    attributes: dict[str, str]
+    related: bool
+    center_m: Floats
+    low_m: Floats
+    high_m: Floats
+    hits: int
+    misses: int
+    spread_m: float
+    serials: list[int]
 
 
 class InstanceFinder(Protocol):
     """A method of telling instances apart, online. One file per method."""
 
-    def add(self, serial: int, sightings: list[Sighting]) -> None:
+    def add(self, frame: FrameSightings) -> None:
         """Take the sightings of one frame. Its view is in the views already."""
 
     def find(self) -> list[Found]:
         """Return all instances as of now; does not change what later frames lead to."""
 
+    def lost(self) -> list[str]:
+        """Return ids that were given to things forgotten since."""
+
+    def tracks(self) -> list[TrackSummary]:
+        """Return what is being tracked, for a planner; nothing where the method has no tracks."""
+
+    def move(self, serial: int, old: Camera, new: Camera) -> None:
+        """Take measurements of a view, whose pose was corrected, from one camera to another."""
+
+    def moved(self) -> None:
+        """Derive everything again after :meth:`move`; the views have their new cameras."""
+
+
+def evidence_weight(score: float, area_share: float, range_m: float, at_border: bool) -> float:
+    """Return what a sighting counts: large, near and whole in the image is best."""
+    whole = BORDER_WEIGHT if at_border else 1.0
+    size_px_like = 300.0 * math.sqrt(min(area_share, FULL_AREA_SHARE))
+    return max(1e-6, score) * size_px_like * whole / (0.5 + range_m)
+
 
 def family(name: str) -> str:
-    """Return the head noun: only classes of one family can be one thing ("desk lamp", "lamp")."""
+    """Return the head noun: classes of one family may be one thing ("desk lamp", "lamp")."""
     return name.rsplit(" ", 1)[-1]
 
 
+@functools.lru_cache(maxsize=4096)
 def names_agree(a: str, b: str) -> bool:
     """Tell whether two class names may mean one thing: equal, or one is a kind of the other."""
     return a == b or name_satisfies(a, b) or name_satisfies(b, a)
@@ -85,13 +184,8 @@ def attributes_agree(a: dict[str, str], b: dict[str, str]) -> bool:
     return all(b.get(kind, value) == value for kind, value in a.items())
 
 
-def extent(places: list[Measurement]) -> tuple[Floats, Floats]:
-    """Return (low, high) corners of what several measurements of one thing show.
-
-    The median over views: a view's own bounds hold some background or miss a side. Views cut
-    off by the image's border are left out where there are others.
-    """
-    whole = [place for place in places if not place.at_border] or places
-    low = np.median([place.outer_low_m for place in whole], axis=0)
-    high = np.median([place.outer_high_m for place in whole], axis=0)
-    return low, high
+def graph_factor(a: Look, b: Look) -> float:
+    """Return the factor on the distance of two things that look like this."""
+    if not names_agree(a[0], b[0]):
+        return NEVER
+    return 1.0 if attributes_agree(a[1], b[1]) else GRAPH_MISMATCH

@@ -2,29 +2,36 @@
 
 First map: object graph id -> its cells. Second: (graph id, ground cell a, ground cell b,
 height band) -> (sum of weights, frequency, observable). Keyed by the cell alone, as the
-paper has it, different objects collide. ``observable`` is how often the cell was in view
-and not occluded, so that a one-off false positive can be told from a thing seldom in view.
+paper has it, different objects collide. ``observable`` is how often the cell's block was in view
+and not occluded (:mod:`doro_mapper.blocks`), so that a one-off false positive can be told from
+a thing seldom in view.
 """
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from doro_mapper.projection import Samples
+from doro_mapper.blocks import Blocks
+from doro_mapper.digest import row_hashes
+from doro_mapper.shots import Shot
 from doro_mapper.views import Floats, Views
 from doro_schemas.graph import ObjectGraph, identity, without_relations
 from doro_schemas.messages import GraphEntry
 
-Key = tuple[int, int, int, int]
-Place = tuple[int, int, int]
-OBSERVED_SLACK_M = 0.10
-"""A cell behind the seen surface by less than about its diagonal counts as seen."""
 INITIAL_ROOM = 1024
+
+Ints = NDArray[np.int64]
+
+
+def packed(places: NDArray[Any]) -> Ints:
+    """Return places (n, 3) as one integer each: cells within 2^20 of the origin, bands 2^10."""
+    a, b, band = (places[:, k].astype(np.int64) for k in range(3))
+    return np.asarray((a << 32) + ((b + (1 << 20)) << 11) + (band + (1 << 10)))
 
 
 def _grown(array: NDArray[Any], need: int) -> NDArray[Any]:
@@ -36,10 +43,14 @@ def _grown(array: NDArray[Any], need: int) -> NDArray[Any]:
     return bigger
 
 
+Samples = tuple[Floats, Floats, Ints]
+"""Points (k, 3) metres, mask of each, and the detection that it belongs to."""
+
+
 class HashMaps:
     """Both maps, stored as rows of arrays behind the dictionaries.
 
-    Memory: about 200 bytes a cell, at most ``max_cells`` cells.
+    Memory: about 150 bytes a cell, at most ``max_cells`` cells.
     """
 
     def __init__(self, cell_m: float, band_m: float, max_cells: int) -> None:
@@ -47,19 +58,21 @@ class HashMaps:
         self._max_cells = max_cells
         self.graphs: list[ObjectGraph] = []
         self._ids: dict[str, int] = {}
-        self.cells_of: dict[int, list[int]] = {}
-        self._rows: dict[Key, int] = {}
+        self._rows: list[dict[int, int]] = []
+        self._size = 0
         self._keys = np.zeros((INITIAL_ROOM, 4), np.int32)
         self._weight = np.zeros(INITIAL_ROOM)
         self._frequency = np.zeros(INITIAL_ROOM, np.int32)
-        self._place_of = np.zeros(INITIAL_ROOM, np.int64)
-        self._places: dict[Place, int] = {}
-        self._center_m = np.zeros((INITIAL_ROOM, 3))
-        self._observable = np.zeros(INITIAL_ROOM, np.int32)
+        self._block_of = np.zeros(INITIAL_ROOM, np.int32)
+        self.blocks = Blocks(self._edges_m)
+        self._sum = np.zeros(2, np.uint64)
+        self._hashed = np.zeros((INITIAL_ROOM, 2), np.uint64)
+        self._unhashed: list[Ints] = []
         self.cells_dropped = 0
+        self.last_mass: Floats = np.zeros(0)
 
     def __len__(self) -> int:
-        return len(self._rows)
+        return self._size
 
     def graph_id(self, graph: ObjectGraph) -> tuple[int, bool]:
         """Return the id of a graph's class + self attributes, and whether it is new."""
@@ -70,121 +83,131 @@ class HashMaps:
         number = len(self.graphs)
         self._ids[key] = number
         self.graphs.append(without_relations(graph))
-        self.cells_of[number] = []
+        self._rows.append({})
         return number, True
 
     def merge(
-        self, detections: Sequence[tuple[int, Samples]], views: Views, serial: int
-    ) -> NDArray[np.int64]:
-        """Add one frame's detections; return the rows that changed, ascending.
+        self, graph_ids: Sequence[int], samples: Samples, views: Views, serial: int
+    ) -> tuple[Ints, Ints]:
+        """Add one frame's detections; return (rows, blocks) that changed, ascending.
+
+        A cell takes the mean weight of a detection's samples in it (paper).
 
         Args:
-            detections: graph id and samples of each.
+            graph_ids: by detection.
+            samples: in the detections' windows.
             views: all views, this frame's included.
             serial: this frame.
         """
-        hit_rows: list[NDArray[np.int64]] = []
-        for graph_id, samples in detections:
-            first_new = len(self._places)
-            hit_rows.append(self._add(graph_id, samples))
-            self._observe_past(first_new, views, serial)
-        hits = np.unique(np.concatenate(hit_rows)) if hit_rows else np.zeros(0, np.int64)
-        seen = self._observe_now(hits, views, serial)
-        return np.flatnonzero(seen[self._place_of[: len(self._rows)]])
+        rows = self._add(graph_ids, samples, sums=False)
+        hit_blocks = np.unique(self._block_of[rows]).astype(np.int64)
+        seen = self.blocks.observe(hit_blocks, views, serial)
+        return rows, seen
 
-    def _add(self, graph_id: int, samples: Samples) -> NDArray[np.int64]:
-        """Add the mean weight of the samples in each cell (paper); return the cells' rows."""
-        cells = np.floor(samples.points_m / self._edges_m).astype(np.int64)
-        # One integer per cell sorts an order of magnitude faster than rows of three.
-        origin = cells.min(0)
-        size = cells.max(0) - origin + 1
-        packed = ((cells - origin) @ np.array([size[1] * size[2], size[2], 1])).astype(np.int64)
-        _, first, inverse = np.unique(packed, return_index=True, return_inverse=True)
-        unique = cells[first]
-        mean = np.bincount(inverse, samples.weights) / np.bincount(inverse)
-        rows = []
-        kept = []
-        for index, (a, b, band) in enumerate(unique.tolist()):
-            row = self._row(graph_id, (a, b, band))
-            if row is not None:
-                rows.append(row)
-                kept.append(index)
-        out = np.asarray(rows, dtype=np.int64)
-        self._weight[out] += mean[kept]
-        self._frequency[out] += 1
-        return out
+    def rebuild(
+        self, shots: Mapping[int, Shot], views: Views
+    ) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+        """Build the second map again from the points kept of each view, as views are placed now.
 
-    def _row(self, graph_id: int, place: Place) -> int | None:
-        key = (graph_id, *place)
-        row = self._rows.get(key)
-        if row is not None:
-            return row
-        row = len(self._rows)
-        if row >= self._max_cells:
-            self.cells_dropped += 1
-            return None
-        if row >= len(self._weight):
-            for name in ("_keys", "_weight", "_frequency", "_place_of"):
-                setattr(self, name, _grown(getattr(self, name), row + 1))
-        self._rows[key] = row
-        self._keys[row] = key
-        self._place_of[row] = self._place(place)
-        self.cells_of[graph_id].append(row)
-        return row
+        Returns:
+            cells and weights as published, those that are no longer there with frequency 0.
+        """
+        before = self._keys[: self._size].copy()
+        self._rows = [{} for _ in self.graphs]
+        self._size = 0
+        self._weight[:] = self._frequency[:] = 0
+        self._hashed[:] = 0
+        self._sum[:] = 0
+        self._unhashed = []
+        for serial in sorted(shots):
+            one = shots[serial]
+            self._add(one.graph_ids, one.placed(views.camera(serial)), sums=True)
+        self.blocks.count_again(views)
+        cells, weight = self.published()
+        now = {tuple(key) for key in self._keys[: self._size].tolist()}
+        gone = [key for key in before.tolist() if tuple(key) not in now]
+        empty = np.zeros((len(gone), 6), np.int32)
+        empty[:, :4] = np.array(gone, np.int32).reshape(-1, 4)
+        return np.concatenate([cells, empty]), np.append(weight, np.zeros(len(gone), np.float32))
 
-    def _place(self, place: Place) -> int:
-        index = self._places.setdefault(place, len(self._places))
-        if index >= len(self._observable):
-            for name in ("_center_m", "_observable"):
-                setattr(self, name, _grown(getattr(self, name), index + 1))
-        for axis in range(3):
-            self._center_m[index, axis] = (place[axis] + 0.5) * self._edges_m[axis]
-        return index
+    def _add(self, graph_ids: Sequence[int], samples: Samples, *, sums: bool) -> Ints:
+        """Add to each detection's cells the mean, or else the sum, of its weights in them."""
+        self.last_mass = np.zeros(len(graph_ids))
+        points_m, weights, owner = samples
+        if not len(points_m):
+            return np.zeros(0, np.int64)
+        places: Ints = np.floor(points_m / self._edges_m).astype(np.int64)
+        # Within a frame: one integer per detection and cell, relative to the frame's corner.
+        corner = places.min(0)
+        size = places.max(0) - corner + 1
+        local = (places - corner) @ np.array([size[1] * size[2], size[2], 1])
+        local = local + owner * int(size.prod())
+        order = np.argsort(local, kind="stable")
+        ordered = local[order]
+        first = np.flatnonzero(np.concatenate([[True], ordered[1:] != ordered[:-1]]))
+        mean = np.add.reduceat(weights[order], first)
+        if not sums:
+            mean /= np.diff(np.append(first, len(ordered)))
+        one = order[first]
+        mass = np.bincount(owner[one], mean, minlength=len(graph_ids))
+        self.last_mass = mass.astype(np.float64)
+        rows = self._found(graph_ids, owner[one], places[one])
+        kept = rows >= 0
+        self.cells_dropped += int((~kept).sum())
+        rows, mean = rows[kept], mean[kept]
+        np.add.at(self._weight, rows, mean)
+        np.add.at(self._frequency, rows, 1)
+        rows = np.unique(rows)
+        self._unhashed.append(rows)
+        return rows
 
-    def _observe_past(self, first_new: int, views: Views, serial: int) -> None:
-        """Count for new places in which earlier views they were observable."""
-        centers = self._center_m[first_new : len(self._places)]
-        if not len(centers):
-            return
-        middle = (centers.min(0) + centers.max(0)) / 2
-        radius = float(np.linalg.norm(centers - middle, axis=1).max())
-        slots = views.near(middle, radius)
-        slots = slots[slots != views.slots([serial])[0]]
-        if len(slots):
-            seen, _ = views.visible(centers, slots, OBSERVED_SLACK_M)
-            self._observable[first_new : len(self._places)] = seen.sum(0)
+    def _found(self, graph_ids: Sequence[int], owner: Ints, places: Ints) -> Ints:
+        """Return the rows of cells, new ones included; -1 where there is no room."""
+        keys = packed(places).tolist()
+        rows = np.empty(len(keys), np.int64)
+        fresh: list[int] = []
+        maps = [self._rows[number] for number in graph_ids]
+        size = self._size
+        for index, (detection, key) in enumerate(zip(owner.tolist(), keys, strict=True)):
+            known = maps[detection]
+            row = known.get(key, -1)
+            if row < 0 and size < self._max_cells:
+                known[key] = row = size
+                size += 1
+                fresh.append(index)
+            rows[index] = row
+        if fresh:
+            self._open(np.array(graph_ids)[owner[fresh]], places[fresh])
+        return rows
 
-    def _observe_now(self, hits: NDArray[np.int64], views: Views, serial: int) -> NDArray[np.bool_]:
-        """Count this view for all places; return which it observed. What was hit was seen."""
-        n = len(self._places)
-        seen = np.zeros(n, dtype=bool)
-        if n:
-            visible, _ = views.visible(self._center_m[:n], views.slots([serial]), OBSERVED_SLACK_M)
-            seen = visible[0]
-            seen[self._place_of[hits]] = True
-            self._observable[:n] += seen
-        return seen
+    def _open(self, graph_ids: Ints, places: Ints) -> None:
+        """Fill in the rows of new cells."""
+        first, self._size = self._size, self._size + len(places)
+        for name in ("_keys", "_weight", "_frequency", "_block_of", "_hashed"):
+            setattr(self, name, _grown(getattr(self, name), self._size))
+        self._keys[first : self._size, 0] = graph_ids
+        self._keys[first : self._size, 1:] = places
+        self._block_of[first : self._size] = self.blocks.of(places)
 
     def entries(self, first: int = 0) -> list[GraphEntry]:
         """Return the graphs from id ``first`` on."""
         return [GraphEntry(first + i, graph) for i, graph in enumerate(self.graphs[first:])]
 
-    def published(
-        self, rows: NDArray[np.int64] | None = None
-    ) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+    def published(self, rows: Ints | None = None) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
         """Return (cells int32 (n, 6), weights float32 (n,)) as GridDelta has them, sorted."""
         if rows is None:
-            rows = np.arange(len(self._rows), dtype=np.int64)
+            rows = np.arange(self._size, dtype=np.int64)
         keys = self._keys[rows]
         order = np.lexsort(keys.T[::-1])
         rows, keys = rows[order], keys[order]
-        counts = np.stack([self._frequency[rows], self._observable[self._place_of[rows]]], axis=1)
-        cells = np.concatenate([keys, counts], axis=1).astype(np.int32)
-        return cells, self._weight[rows].astype(np.float32)
+        often = np.maximum(self._frequency[rows], self.blocks.count[self._block_of[rows]])
+        cells = np.concatenate([keys, self._frequency[rows, None], often[:, None]], axis=1)
+        return cells.astype(np.int32), self._weight[rows].astype(np.float32)
 
-    def rows_of(self, graph_ids: Sequence[int]) -> NDArray[np.int64]:
+    def rows_of(self, graph_ids: Sequence[int]) -> Ints:
         """Return the rows of several graphs (first hash map)."""
-        return np.array([row for i in graph_ids for row in self.cells_of[i]], dtype=np.int64)
+        rows = [row for number in graph_ids for row in self._rows[number].values()]
+        return np.array(rows, dtype=np.int64)
 
     def stacked(self, graph_ids: Sequence[int]) -> tuple[NDArray[np.int32], Floats]:
         """Return the places (n, 3) of several graphs and their weights summed over the graphs."""
@@ -196,12 +219,23 @@ class HashMaps:
         return places, total
 
     def digest(self) -> str:
-        """Return the blake2b digest (16 bytes, hex) over sorted graphs and cells."""
-        cells, weights = self.published()
+        """Return the digest (16 bytes, hex) over graphs, cells and blocks; equal for equal maps.
+
+        Sums of hashes of single cells, so that only cells changed since are hashed again.
+        """
+        if self._unhashed:
+            rows = np.unique(np.concatenate(self._unhashed))
+            self._unhashed = []
+            fresh = row_hashes(
+                np.column_stack([self._keys[rows], self._frequency[rows]]), self._weight[rows]
+            )
+            self._sum += fresh.sum(axis=0, dtype=np.uint64)
+            self._sum -= self._hashed[rows].sum(axis=0, dtype=np.uint64)
+            self._hashed[rows] = fresh
         state = hashlib.blake2b(digest_size=16)
         state.update(repr(self._edges_m.tolist()).encode())
         for number, graph in enumerate(self.graphs):
             state.update(f"{number} {identity(graph)}\n".encode())
-        state.update(np.ascontiguousarray(cells, dtype="<i4").tobytes())
-        state.update(np.ascontiguousarray(weights, dtype="<f4").tobytes())
+        state.update(self._sum.astype("<u8").tobytes())
+        state.update(self.blocks.digest().astype("<u8").tobytes())
         return state.hexdigest()

@@ -2,92 +2,161 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from doro_mapper.finder import Found, Sighting
+from doro_mapper.finder import Found
 from doro_mapper.relations import relations_of
 from doro_mapper.settings import MapperSettings
-from doro_mapper.track import ranked
 from doro_mapper.views import Floats
 from doro_schemas.camera import World, bev_axes
 from doro_schemas.graph import ObjectGraph
-from doro_schemas.messages import Evidence, Instance
+from doro_schemas.messages import ClassProbability, GoneInstance, Instance
+from doro_schemas.vocabulary import name_satisfies
 
 POSITION_GRAIN_M = 0.05
+MOST_CLASSES = 5
 
 
-def build(instances: list[Found], world: World, settings: MapperSettings) -> list[Instance]:
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """All that is known, as messages.
+
+    Attributes:
+        counted: instances, ordered by class and number.
+        tentative: things seen too little to count.
+        gone: by id given that stands for no counted instance: the word, and its class.
+    """
+
+    counted: list[Instance]
+    tentative: list[Instance]
+    gone: list[tuple[GoneInstance, str]]
+
+    def gone_of(self, name: str) -> list[GoneInstance]:
+        """Return what is gone of a class and its kinds; of all for no name."""
+        return [word for word, own in self.gone if not name or name_satisfies(name, own)]
+
+
+def build(
+    instances: list[Found], lost: list[str], world: World, settings: MapperSettings
+) -> Answer:
     """Return all instances as messages, ordered by class and number.
 
-    Numbers go by the frame that saw the instance first, then by position: they change as
-    little as can be while the map grows, and not at all for equal input.
+    Where the finder gives no ids, numbers go by the frame that saw the instance first, then by
+    position: they change as little as can be while the map grows.
+
+    Args:
+        lost: ids given to things that were forgotten.
     """
     ordered = sorted(instances, key=_order)
-    voted = [_vote(found) for found in ordered]
-    graphs = [graph for graph, _ in voted]
-    relations = relations_of(ordered, graphs, settings)
+    counted = [found for found in ordered if not found.tentative and not found.gone]
+    _give_ids(counted)
+    graphs = [_voted(found) for found in counted]
+    relations = relations_of(counted, graphs, settings)
+    messages = [
+        _message(found, ObjectGraph(graph.name, graph.attributes, related), world, settings)
+        for found, graph, related in zip(counted, graphs, relations, strict=True)
+    ]
+    loose = [
+        _message(found, _voted(found), world, settings)
+        for found in ordered
+        if found.tentative and not found.gone
+    ]
+    return Answer(messages, loose, _gone(ordered, lost))
+
+
+def _give_ids(counted: list[Found]) -> None:
     numbers: dict[str, int] = {}
-    out = []
-    for found, (graph, runner_up), related in zip(ordered, voted, relations, strict=True):
-        numbers[graph.name] = numbers.get(graph.name, 0) + 1
-        hits = found.hits
-        out.append(
-            Instance(
-                instance_id=f"{graph.name.replace(' ', '-')}-{numbers[graph.name]}",
-                graph=ObjectGraph(graph.name, graph.attributes, related),
-                position_m=_world(found.center_m, world),
-                extent_m=_world(found.high_m - found.low_m, world),
-                confidence=round((hits + 1) / (hits + found.misses + 2), 6),
-                hits=hits,
-                misses=found.misses,
-                evidence=_evidence(found, settings.max_evidence),
-                cells=_cells(found, settings),
-                runner_up=runner_up,
-            )
-        )
-    return out
+    for found in counted:
+        if not found.version:
+            numbers[found.name] = numbers.get(found.name, 0) + 1
+            found.instance_id = f"{found.name.replace(' ', '-')}-{numbers[found.name]}"
 
 
-def _order(found: Found) -> tuple[str, int, list[float]]:
+def _order(found: Found) -> tuple[str, str, int, int, list[float]]:
+    word, _, number = found.instance_id.rpartition("-")
     grain = np.round(found.center_m / POSITION_GRAIN_M).tolist()
-    return found.name, min(sighting.serial for sighting in found.sightings), grain
+    return found.name, word, int(number or 0), found.first, grain
 
 
-def _vote(found: Found) -> tuple[ObjectGraph, dict[str, str]]:
-    """Return class + attributes with most evidence each, and the second most seen values."""
-    votes: dict[str, dict[str, float]] = {}
-    for sighting, weight in zip(found.sightings, found.weights, strict=True):
-        for kind, value in sighting.graph.attributes.items():
-            counts = votes.setdefault(kind, {})
-            counts[value] = counts.get(value, 0.0) + weight
-    order = {kind: ranked(votes[kind]) for kind in sorted(votes)}
-    best = {kind: values[0] for kind, values in order.items()}
-    second = {kind: values[1] for kind, values in order.items() if len(values) > 1}
-    return ObjectGraph(found.name, best), second
+def _voted(found: Found) -> ObjectGraph:
+    """Return class + attributes with most evidence each."""
+    return ObjectGraph(found.name, dict(found.votes.look()[1]))
+
+
+def _gone(ordered: list[Found], lost: list[str]) -> list[tuple[GoneInstance, str]]:
+    out = []
+    for found in ordered:
+        counts = not found.tentative and not found.gone
+        if found.instance_id and not counts:
+            reason = "moved" if found.gone else "doubted"
+            word = GoneInstance(found.instance_id, "moved" if reason == "moved" else "doubted")
+            out.append((word, found.name))
+        heir = found.instance_id if counts else ""
+        out += [(GoneInstance(name, "merged", heir), found.name) for name in found.replaced]
+    for name in lost:
+        out.append((GoneInstance(name, "doubted"), name.rpartition("-")[0].replace("-", " ")))
+    return sorted(out, key=lambda pair: pair[0].instance_id)
+
+
+def _message(found: Found, graph: ObjectGraph, world: World, settings: MapperSettings) -> Instance:
+    if found.parts is None or found.parts.runner_up != found.votes.second():
+        found.parts = _parts(found, world, settings)
+    parts: Instance = found.parts
+    return Instance(
+        instance_id=found.instance_id,
+        graph=graph,
+        position_m=parts.position_m,
+        extent_m=parts.extent_m,
+        confidence=round(found.confidence, 6),
+        hits=found.hits,
+        misses=found.misses,
+        evidence=parts.evidence,
+        cells=parts.cells,
+        runner_up=parts.runner_up,
+        status="confirmed" if found.hits >= settings.min_hits else "tentative",
+        covariance_m2=parts.covariance_m2,
+        classes=parts.classes,
+        replaces=list(found.replaced),
+    )
+
+
+def _parts(found: Found, world: World, settings: MapperSettings) -> Instance:
+    """Return what depends on the instance alone; kept until it changes."""
+    classes = found.votes.classes()[:MOST_CLASSES]
+    return Instance(
+        instance_id="",
+        graph=ObjectGraph(found.name),
+        position_m=_world(found.center_m, world),
+        extent_m=_world(found.high_m - found.low_m, world),
+        evidence=[shown for *_, shown in found.votes.evidence[: settings.max_evidence]],
+        cells=_cells(found, settings),
+        runner_up=found.votes.second(),
+        covariance_m2=_covariance(found.covariance_m2, world),
+        classes=[ClassProbability(name, round(share, 4)) for name, share in classes],
+    )
 
 
 def _world(values: Floats, world: World) -> list[float]:
     """Return map-axes values in world axes, rounded to 0.1 mm."""
     out = [0.0, 0.0, 0.0]
-    for axis, value in zip(bev_axes(world), values, strict=True):
-        out[axis] = round(float(value), 4)
+    for axis, value in zip(bev_axes(world), values.tolist(), strict=True):
+        out[axis] = round(value, 4)
     return out
 
 
-def _evidence(found: Found, most: int) -> list[Evidence]:
-    """Return the strongest views: whole in the image, large, near, with a high score."""
-    pairs = list(zip(found.sightings, found.weights, strict=True))
-    best = sorted(pairs, key=lambda pair: (-pair[1], pair[0].serial))[:most]
-    return [_shown(sighting) for sighting, _ in best]
-
-
-def _shown(sighting: Sighting) -> Evidence:
-    return Evidence(sighting.camera, sighting.frame, list(sighting.box_px), sighting.caption)
+def _covariance(matrix_m2: Floats, world: World) -> list[float]:
+    """Return xx, xy, xz, yy, yz, zz in world axes."""
+    axes = list(bev_axes(world))
+    turned = np.empty((3, 3))
+    turned[np.ix_(axes, axes)] = matrix_m2
+    return [round(float(turned[i, j]), 8) for i in range(3) for j in range(i, 3)]
 
 
 def _cells(found: Found, settings: MapperSettings) -> list[list[int]]:
     """Return the ground cells (a, b, band) of the instance's own points."""
     inside = np.all((found.points_m >= found.low_m) & (found.points_m <= found.high_m), axis=1)
     edges = np.array([settings.cell_m, settings.cell_m, settings.band_m])
-    cells = np.unique(np.floor(found.points_m[inside] / edges).astype(int), axis=0)
-    return [[int(value) for value in cell] for cell in cells]
+    cells = np.floor(found.points_m[inside] / edges).astype(int)
+    return [list(cell) for cell in sorted(set(map(tuple, cells.tolist())))]

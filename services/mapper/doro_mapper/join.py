@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import bisect
+import sys
 from dataclasses import dataclass
 
 from doro_schemas.errors import Refused
@@ -9,6 +11,44 @@ from doro_schemas.messages import DepthFrame, FrameGraphs
 
 Key = tuple[str, int]
 """(camera, frame) within one episode."""
+
+
+MAX_RUNS = 256
+
+
+class FrameRuns:
+    """Which frames were merged, as runs of numbers by camera.
+
+    Memory: bounded by MAX_RUNS runs a camera; beyond them the gap between the two lowest runs
+    closes, and what still comes for it counts as merged.
+    """
+
+    def __init__(self) -> None:
+        self._runs: dict[str, list[list[int]]] = {}
+        self._count = 0
+
+    def __len__(self) -> int:
+        return self._count
+
+    def __contains__(self, key: Key) -> bool:
+        runs = self._runs.get(key[0], [])
+        at = bisect.bisect_right(runs, [key[1], sys.maxsize]) - 1
+        return at >= 0 and key[1] <= runs[at][1]
+
+    def add(self, key: Key) -> None:
+        """Add a frame that is not in yet."""
+        runs, number = self._runs.setdefault(key[0], []), key[1]
+        self._count += 1
+        at = bisect.bisect_right(runs, [number, sys.maxsize]) - 1
+        if at >= 0 and runs[at][1] == number - 1:
+            runs[at][1] = number
+        else:
+            at += 1
+            runs.insert(at, [number, number])
+        if at + 1 < len(runs) and runs[at + 1][0] == number + 1:
+            runs[at][1] = runs.pop(at + 1)[1]
+        if len(runs) > MAX_RUNS:
+            runs[0][1] = runs.pop(1)[1]
 
 
 @dataclass(slots=True)

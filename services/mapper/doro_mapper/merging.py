@@ -1,17 +1,32 @@
-"""Tracks into instances: merging by mutual explanation, pruning, and existence.
+"""Tracks near each other into things: merging by mutual explanation, and pruning.
 
-MAPPER study, points 5 to 7. All three work on copies of the online tracks.
+MAPPER study, points 5 and 6, for one cluster of tracks at a time. Works on items, which stand
+for one track or several merged ones; the tracks themselves stay as they are, so that what was
+merged can come apart again.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from doro_mapper.boxes import covered, distance
-from doro_mapper.finder import Found, attributes_agree, extent, names_agree
-from doro_mapper.settings import MapperSettings
-from doro_mapper.track import NEVER, Track, boxes_of, graph_factor
+from doro_mapper.boxes import covered
+from doro_mapper.finder import NEVER
+from doro_mapper.items import (
+    CORNER_GAP_M,
+    FURNITURE_M,
+    Item,
+    Shape,
+    agree,
+    gaps_of,
+    in_reach,
+    item_of,
+    one_above,
+    strength,
+)
+from doro_mapper.robust import robust_geometry
+from doro_mapper.table import Ints, TrackTable
 from doro_mapper.views import Bools, Floats, Views
+from doro_mapper.votes import Votes, merged
 
 MERGE_GATE = 0.8
 MERGE_FAR_GATE = 2.0
@@ -22,164 +37,197 @@ EXPLAINED_SHARE = 0.6
 PRUNE_SHARE = 0.7
 PRUNE_COVER = 0.5
 PRUNE_RATIO = 3.0
-PRUNE_REACH_M = 0.5
 EXPLAIN_COVER = 0.5
 EXPLAIN_RATIO = 4.0
-MERGE_RANGE_M = 1.5
-"""Range assumed for the margin between two tracks."""
+MERGED_KEPT = 96
+CORNER_HITS, CORNER_SHARE = 3, 0.1
+CORNER_CUT = 0.5
 
 
-def merge(tracks: list[Track], views: Views) -> list[Track]:
-    """Merge tracks of one family, closest first, until nothing more may be merged."""
-    tracks = sorted(tracks, key=lambda track: -len(track.sightings))
-    refused: set[tuple[int, int, int, int]] = set()
-    while (pair := _next_pair(tracks, views, refused)) is not None:
-        larger, smaller, measured = pair
-        larger.join(smaller, measured)
-        tracks = [track for track in tracks if track is not smaller]
-    return tracks
+class Cluster:
+    """Items of one neighbourhood, being merged and pruned."""
 
+    def __init__(
+        self, rows: list[int], table: TrackTable, views: Views, votes: dict[int, Votes]
+    ) -> None:
+        self._table = table
+        self._views = views
+        self._votes = votes
+        items = [item_of(row, table, votes[row]) for row in rows]
+        self.items = sorted(items, key=lambda item: -item.hits)
 
-def _next_pair(
-    tracks: list[Track], views: Views, refused: set[tuple[int, int, int, int]]
-) -> tuple[Track, Track, bool] | None:
-    """Return the closest pair that may be merged, and whether its geometry is shared."""
-    n = len(tracks)
-    if n < 2:
-        return None
-    gaps = _gaps(tracks)
-    for flat in np.argsort(gaps, axis=None, kind="stable"):
-        i, j = divmod(int(flat), n)
-        if gaps[i, j] >= NEVER / 2:
+    def merge(self) -> None:
+        """Merge the closest items first, until nothing more may be merged."""
+        refused: set[tuple[int, int]] = set()
+        while (pair := self._next_pair(refused)) is not None:
+            larger, smaller, measured = pair
+            self.items = [item for item in self.items if item is not smaller]
+            position = self.items.index(larger)
+            joined = self._joined(larger, smaller, measured)
+            refused = {key for key in refused if id(larger) not in key and id(smaller) not in key}
+            self.items[position] = joined
+
+    def _next_pair(self, refused: set[tuple[int, int]]) -> tuple[Item, Item, bool] | None:
+        """Return the closest pair that may be merged, and whether its geometry is shared."""
+        items = self.items
+        n = len(items)
+        if n < 2:
             return None
-        larger, smaller = tracks[i], tracks[j]
-        if len(smaller.sightings) > len(larger.sightings):
-            larger, smaller = smaller, larger
-        key = (id(larger), len(larger.sightings), id(smaller), len(smaller.sightings))
-        if key in refused:
-            continue
-        decision = _may_merge(larger, smaller, float(gaps[i, j]), views)
-        if decision is not None:
-            return larger, smaller, decision
-        refused.add(key)
-    return None
-
-
-def _gaps(tracks: list[Track]) -> Floats:
-    """Return the symmetric distances (n, n), NEVER on and below the diagonal."""
-    boxes = boxes_of(tracks)
-    gaps = distance(boxes, boxes, np.full(len(tracks), MERGE_RANGE_M))
-    factor = [
-        [graph_factor(a.name, a.attributes, b.name, b.attributes) for b in tracks] for a in tracks
-    ]
-    gaps = np.minimum(gaps, gaps.T) * np.array(factor)
-    gaps[np.tril_indices(len(tracks))] = NEVER
-    return np.asarray(gaps)
-
-
-def _may_merge(larger: Track, smaller: Track, gap: float, views: Views) -> bool | None:
-    """Return None for no; else whether the smaller track's geometry is taken over."""
-    seen_large, seen_small = larger.seen(views), smaller.seen(views)
-    together = int((seen_large & seen_small).sum())
-    if together > TOGETHER_SHARE * min(len(larger.sightings), len(smaller.sightings)):
+        gaps = gaps_of(items)
+        seen = np.array([item.seen for item in items], dtype=np.float32)
+        together = seen @ seen.T
+        for flat in np.argsort(gaps, axis=None, kind="stable").tolist():
+            i, j = divmod(flat, n)
+            if gaps[i, j] >= NEVER / 2:
+                return None
+            larger, smaller = items[i], items[j]
+            if smaller.hits > larger.hits:
+                larger, smaller = smaller, larger
+            key = (id(larger), id(smaller))
+            if key in refused:
+                continue
+            decision = self._may_merge(larger, smaller, float(gaps[i, j]), int(together[i, j]))
+            if decision is not None:
+                return larger, smaller, decision
+            refused.add(key)
         return None
-    if gap < MERGE_GATE:
-        return True
-    if not agree(larger, smaller):
-        return None
-    if gap < MERGE_FAR_GATE:
-        common = int((larger.expected(views) & smaller.expected(views)).sum())
-        if common >= COMMON_VIEWS and together <= TOGETHER_SHARE * common:
+
+    def _may_merge(self, larger: Item, smaller: Item, gap: float, together: int) -> bool | None:
+        """Return None for no; else whether the smaller one's geometry is taken over."""
+        if together > TOGETHER_SHARE * min(larger.hits, smaller.hits):
+            return None
+        if gap < MERGE_GATE:
             return True
-    if together == 0 and explained(smaller, larger, views).mean() >= EXPLAINED_SHARE:
-        return False
-    return None
+        if not agree(larger, smaller):
+            return None
+        if gap < MERGE_FAR_GATE and self._never_both(larger, smaller, together):
+            return True
+        return self._part_of(larger, smaller) if together == 0 else None
 
+    def _part_of(self, larger: Item, smaller: Item) -> bool | None:
+        """Tell the same of two things that were never seen together."""
+        if one_above(larger, smaller) or self._cut_off(larger, smaller):
+            return True
+        return False if in_reach(larger, smaller) and self._explains(larger, smaller) else None
 
-def agree(a: Track, b: Track) -> bool:
-    """Tell whether two tracks' graphs may be of one thing."""
-    return names_agree(a.name, b.name) and attributes_agree(a.attributes, b.attributes)
+    def _never_both(self, larger: Item, smaller: Item, together: int) -> bool:
+        """Tell whether views that should have seen two things hardly ever saw both."""
+        common = int((larger.expected & smaller.expected).sum())
+        return common >= COMMON_VIEWS and together <= TOGETHER_SHARE * common
 
+    def _explains(self, larger: Item, smaller: Item) -> bool:
+        """Tell whether most views of the smaller one lie where the larger one projects to."""
+        cover, ratio, shows = self._projected(smaller, [larger])
+        fits = shows & (cover >= EXPLAIN_COVER) & (ratio < EXPLAIN_RATIO)
+        return float(fits.mean()) >= EXPLAINED_SHARE
 
-def explained(track: Track, by: Track, views: Views) -> Bools:
-    """Return which sightings of a track lie where another track projects to."""
-    slots = views.slots([sighting.serial for sighting in track.sightings])
-    boxes, shows = views.project_box(by.low_m, by.high_m, slots)
-    own = np.array([sighting.box_px for sighting in track.sightings])
-    cover, ratio = covered(own, boxes)
-    return np.asarray(shows & (cover >= EXPLAIN_COVER) & (ratio < EXPLAIN_RATIO))
+    def _cut_off(self, larger: Item, smaller: Item) -> bool:
+        """Tell whether one is a corner of the other: next to it, seen seldom and cut off only."""
+        if smaller.hits > max(CORNER_HITS, CORNER_SHARE * larger.hits):
+            return False
+        t = self._table
+        cut = [t.kept_border[row, : t.kept[row]] for row in smaller.rows]
+        if np.concatenate(cut).mean() < CORNER_CUT:
+            return False
+        gap = np.maximum(
+            smaller.outer_low_m - larger.outer_high_m, larger.outer_low_m - smaller.outer_high_m
+        )
+        size = larger.outer_high_m - larger.outer_low_m
+        apart = float(np.linalg.norm(np.maximum(gap, 0)))
+        return float(size.max()) >= FURNITURE_M and apart <= CORNER_GAP_M
 
+    def _joined(self, larger: Item, smaller: Item, measured: bool) -> Item:
+        """Return both items as one."""
+        shaping = larger.rows[: larger.shaping]
+        added = smaller.rows[: smaller.shaping] if measured else []
+        rest = larger.rows[larger.shaping :] + smaller.rows[len(added) :]
+        shape = self._shape([*shaping, *added]) if measured else larger.shape
+        return Item(
+            [*shaping, *added, *rest],
+            len(shaping) + len(added),
+            merged([self._votes[row] for row in larger.rows + smaller.rows]).look(),
+            larger.seen | smaller.seen,
+            larger.expected | smaller.expected if measured else larger.expected,
+            larger.hits + smaller.hits,
+            *shape,
+        )
 
-def prune(tracks: list[Track], views: Views) -> list[Track]:
-    """Reduce to the smallest explaining set, weakest first.
+    def _shape(self, rows: list[int]) -> Shape:
+        """Return the geometry of several tracks together."""
+        t = self._table
+        picks = [(row, k) for row in rows for k in range(int(t.kept[row]))]
+        at = tuple(np.array(picks[:: 1 + len(picks) // MERGED_KEPT]).T)
+        found = robust_geometry(
+            t.kept_place[at].astype(np.float64)[None],
+            t.kept_weight[at].astype(np.float64)[None],
+            t.kept_border[at][None],
+            np.ones((1, len(at[0])), dtype=bool),
+        )
+        low, high = found.outer_low[0], found.outer_high[0]
+        return found.center[0], found.low[0], found.high[0], low, high, found.spread_m2[0]
 
-    A track of whose sightings most can be read as views of other tracks of its graph that are
-    unmatched in those frames goes; they become the others' hits.
-    """
+    def _sample(self, item: Item) -> tuple[Ints, Floats]:
+        """Return (slots, boxes) of the views kept that gave an item geometry."""
+        t = self._table
+        serials = np.concatenate([t.kept_serial[row, : t.kept[row]] for row in item.rows])
+        boxes = np.concatenate([t.kept_box[row, : t.kept[row]] for row in item.rows])
+        there = serials >= self._views.oldest
+        slots = self._views.slots(serials[there].tolist())
+        return slots, boxes[there].astype(np.float64)
 
-    def strength(track: Track) -> float:
-        missed = track.expected(views) & ~track.seen(views)
-        return len(track.sightings) / (len(track.sightings) + int(missed.sum()) + 2.0)
+    def _projected(self, item: Item, others: list[Item]) -> tuple[Floats, Floats, Bools]:
+        """Return (cover, ratio, shows) of an item's sampled boxes by where others project to.
 
-    kept = list(tracks)
-    for track in sorted(tracks, key=strength):
-        others = [o for o in kept if o is not track and agree(o, track) and _in_reach(o, track)]
-        if not others or len(track.sightings) < 2:
-            continue
-        readings = _readings(track, others, views)
-        if len(readings) >= PRUNE_SHARE * len(track.sightings):
-            kept = [other for other in kept if other is not track]
-            for index, other in readings:
-                other.append(track.sightings[index], track.weights[index], measured=False)
-    return kept
+        Each (views, others).
+        """
+        slots, own = self._sample(item)
+        n, k = len(slots), len(others)
+        if not n:
+            return np.zeros((1, k)), np.zeros((1, k)), np.zeros((1, k), dtype=bool)
+        low = np.array([other.low_m for other in others])
+        high = np.array([other.high_m for other in others])
+        boxes, shows = self._views.project_all(low, high, slots)
+        cover, ratio = covered(own[:, None], boxes)
+        return cover, ratio, shows
 
+    def prune(self) -> list[tuple[Item, list[tuple[Item, Ints]]]]:
+        """Reduce to the smallest explaining set, weakest first; return what went.
 
-def _in_reach(other: Track, track: Track) -> bool:
-    reach = PRUNE_REACH_M + 2 * float(np.linalg.norm(other.high_m - other.low_m))
-    return float(np.linalg.norm(other.center_m - track.center_m)) <= reach
+        An item of whose sightings most can be read as views of others of its graph that are
+        unmatched in those frames goes; the slots become the others' hits.
+        """
+        gone: list[tuple[Item, list[tuple[Item, Ints]]]] = []
+        for item in sorted(self.items, key=strength):
+            others = [
+                o for o in self.items if o is not item and agree(o, item) and in_reach(o, item)
+            ]
+            if not others or item.hits < 2:
+                continue
+            readings = self._readings(item, others)
+            if readings is not None:
+                self.items = [other for other in self.items if other is not item]
+                gone.append((item, readings))
+        return gone
 
-
-def _readings(track: Track, others: list[Track], views: Views) -> list[tuple[int, Track]]:
-    """Return (sighting, the other track that it may be a view of)."""
-    slots = views.slots([sighting.serial for sighting in track.sightings])
-    own = np.array([sighting.box_px for sighting in track.sightings])
-    best = np.zeros(len(slots))
-    by = np.full(len(slots), -1)
-    for number, other in enumerate(others):
-        boxes, shows = views.project_box(other.low_m, other.high_m, slots)
-        cover, ratio = covered(own, boxes)
-        fits = shows & ~other.seen(views)[slots] & (cover >= PRUNE_COVER) & (ratio < PRUNE_RATIO)
-        better = fits & (cover > best)
-        best[better] = cover[better]
-        by[better] = number
-    return [(int(index), others[by[index]]) for index in np.flatnonzero(by >= 0)]
-
-
-def exists(track: Track, views: Views, settings: MapperSettings) -> Found | None:
-    """Return the instance that a track stands for, or None where too little speaks for it."""
-    seen = track.seen(views)
-    hits = int(seen.sum())
-    misses = int((track.expected(views) & ~seen).sum())
-    if not enough(hits, misses, views, settings):
-        return None
-    order = sorted(range(len(track.sightings)), key=lambda i: track.sightings[i].serial)
-    pairs = zip(track.sightings, track.measured, strict=True)
-    low, high = extent([sighting.place for sighting, measured in pairs if measured])
-    return Found(
-        name=track.name,
-        center_m=(track.center_m + (low + high) / 2) / 2,
-        low_m=low,
-        high_m=high,
-        sightings=[track.sightings[i] for i in order],
-        weights=[track.weights[i] for i in order],
-        misses=misses,
-        points_m=track.points_m(),
-    )
-
-
-def enough(hits: int, misses: int, views: Views, settings: MapperSettings) -> bool:
-    """Tell whether hits against misses make an instance (study, point 7)."""
-    if hits < settings.min_hit_share * (hits + misses):
-        return False
-    alone = hits >= 1 and misses == 0 and views.total < settings.few_views
-    return hits >= settings.min_hits or alone
+    def _readings(self, item: Item, others: list[Item]) -> list[tuple[Item, Ints]] | None:
+        """Return which slots are views of which other item, where that explains the item."""
+        slots, _ = self._sample(item)
+        if not len(slots):
+            return None
+        free = ~np.array([other.seen for other in others])[:, slots].T
+        if free.any(axis=1).mean() < PRUNE_SHARE:
+            return None
+        cover, ratio, shows = self._projected(item, others)
+        fits = shows & free & (cover >= PRUNE_COVER) & (ratio < PRUNE_RATIO)
+        if fits.any(axis=1).mean() < PRUNE_SHARE:
+            return None
+        best = np.where(fits, cover, -1.0).argmax(axis=1)
+        read = fits.any(axis=1)
+        out = []
+        for number, other in enumerate(others):
+            own = slots[read & (best == number)]
+            if len(own):
+                other.seen = other.seen.copy()
+                other.seen[own] = True
+                out.append((other, own))
+        return out

@@ -11,12 +11,11 @@ import msgspec
 import numpy as np
 
 from doro_mapper.core import Mapper
-from doro_mapper.finder import Sighting
+from doro_mapper.finder import TrackSummary
 from doro_mapper.planner import Planner
 from doro_mapper.planner_settings import PlannerSettings
 from doro_mapper.planner_things import MOST_FROM, Thing
 from doro_mapper.planner_views import Look, look_of
-from doro_mapper.track import Track
 from doro_mapper.views import Floats
 from doro_schemas.effects import Output
 from doro_schemas.messages import (
@@ -45,7 +44,7 @@ class Guide:
         self._max_pending = max_pending
         self._last: GridDelta | None = None
         self._from_m: dict[int, Floats] = {}
-        self._things: dict[Track, tuple[int, Thing]] = {}
+        self._things: dict[tuple[int, int], tuple[int, Thing]] = {}
 
     def depth_frame(self, message: DepthFrame) -> list[Output]:
         """As the core's; a goal may follow the delta."""
@@ -89,10 +88,10 @@ class Guide:
         """Return the tracks as things; made again only where a sighting was added."""
         known, self._things = self._things, {}
         for track in self._core.tracks():
-            count, thing = known.get(track, (0, None))
-            if thing is None or count != len(track.sightings):
+            count, thing = known.get(track.key, (0, None))
+            if thing is None or count != track.hits:
                 thing = thing_of(track, self._from_m)
-            self._things[track] = len(track.sightings), thing
+            self._things[track.key] = track.hits, thing
         return [thing for _, thing in self._things.values()]
 
     def _guided(self, outputs: list[Output]) -> list[Output]:
@@ -120,30 +119,29 @@ class Guide:
         return out
 
 
-def thing_of(track: Track, from_m: dict[int, Floats]) -> Thing:
+def thing_of(track: TrackSummary, from_m: dict[int, Floats]) -> Thing:
     """Return a track as the planner takes it.
 
     Args:
         from_m: camera positions of merged frames by serial, map axes.
     """
-    kept = track.sightings[-MOST_FROM:]
+    latest = [from_m[serial] for serial in track.serials[-MOST_FROM:] if serial in from_m]
+    places = np.array(latest).reshape(-1, 3)
     return Thing(
         name=track.name,
         attributes=track.attributes,
-        related=any(sighting.graph.relations for sighting in kept),
+        related=track.related,
         center_m=track.center_m,
         size_m=track.high_m - track.low_m,
-        hits=len({sighting.serial for sighting in track.sightings}),
-        spread_m=_spread_m(kept),
-        seen_in=frozenset(sighting.serial for sighting in track.sightings),
-        from_m=np.array([from_m[s.serial] for s in kept if s.serial in from_m]).reshape(-1, 3),
+        hits=track.hits,
+        spread_m=_spread_m(track, places),
+        seen_in=frozenset(track.serials),
+        from_m=places,
     )
 
 
-def _spread_m(kept: list[Sighting]) -> float:
+def _spread_m(track: TrackSummary, from_m: Floats) -> float:
     """Return the standard error of the centre: what views disagree by, or their range allows."""
-    centers = np.array([sighting.place.center_m for sighting in kept])
-    ranges = np.array([sighting.place.range_m for sighting in kept])
-    single = SPREAD_FLOOR_M + SPREAD_PER_M * float(ranges.mean())
-    seen = float(np.sqrt(centers.var(axis=0).sum())) if len(kept) > 1 else 0.0
-    return max(single, seen) / float(np.sqrt(len(kept)))
+    ranges = np.linalg.norm(from_m - track.center_m, axis=1)
+    single = SPREAD_FLOOR_M + SPREAD_PER_M * float(ranges.mean() if len(ranges) else 0.0)
+    return max(single / float(np.sqrt(min(track.hits, MOST_FROM))), track.spread_m)

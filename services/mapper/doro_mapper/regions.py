@@ -13,12 +13,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from doro_mapper.finder import Found, Sighting, extent, family
+from doro_mapper.existence import enough
+from doro_mapper.finder import Found, FrameSightings, Sighting, TrackSummary, family
 from doro_mapper.hashmaps import HashMaps
-from doro_mapper.merging import enough
+from doro_mapper.robust import robust_geometry
 from doro_mapper.settings import MapperSettings
-from doro_mapper.track import Track
-from doro_mapper.views import Floats, Views
+from doro_mapper.sight import should_see
+from doro_mapper.views import Camera, Floats, Views, moved_points
+from doro_mapper.votes import Votes
 
 Cell = tuple[int, int, int]
 REGION_OF_WIDTH = 0.25
@@ -29,6 +31,25 @@ FLOOR_SHARE = 0.02
 CONFLICT_SHARE = 0.1
 REACH_SIGMAS = 2.5
 MAX_SIGMA_CELLS = 12.0
+MEMBERS = 64
+POINT_VIEWS = 8
+
+
+@dataclass(slots=True)
+class Placed:
+    """A sighting and where it is, map axes.
+
+    Attributes:
+        place_m: (15,) centre, low, high, outer low, outer high.
+        points_m: (k, 3).
+        size_m: width and height of the box.
+    """
+
+    sighting: Sighting
+    place_m: Floats
+    points_m: Floats
+    size_m: Floats
+    at_border: bool
 
 
 @dataclass(slots=True)
@@ -47,17 +68,45 @@ class RegionFinder:
         self._views = views
         self._maps = maps
         self._edges_m = np.array([settings.cell_m, settings.cell_m, settings.band_m])
-        self._families: dict[str, list[Sighting]] = {}
+        self._families: dict[str, list[Placed]] = {}
 
-    def add(self, serial: int, sightings: list[Sighting]) -> None:
+    def add(self, frame: FrameSightings) -> None:
         """Take the sightings of one frame; the hash maps hold them already."""
-        oldest = self._views.oldest
+        oldest, m = self._views.oldest, frame.measured
         for key, known in self._families.items():
-            if known and known[0].serial < oldest:
-                self._families[key] = [s for s in known if s.serial >= oldest]
-        for sighting in sightings:
-            self._families.setdefault(family(sighting.graph.name), []).append(sighting)
-        del serial
+            if known and known[0].sighting.serial < oldest:
+                self._families[key] = [one for one in known if one.sighting.serial >= oldest]
+        parts = (m.center_m, m.low_m, m.high_m, m.outer_low_m, m.outer_high_m)
+        places = np.concatenate(parts, axis=1)
+        for k, sighting in enumerate(frame.sightings):
+            placed = Placed(
+                sighting,
+                places[k],
+                m.points_m[k].astype(np.float64),
+                m.size_m[k],
+                bool(m.at_border[k]),
+            )
+            self._families.setdefault(family(sighting.graph.name), []).append(placed)
+
+    def lost(self) -> list[str]:
+        """No ids are given here."""
+        return []
+
+    def tracks(self) -> list[TrackSummary]:
+        """There are no tracks."""
+        return []
+
+    def move(self, serial: int, old: Camera, new: Camera) -> None:
+        """Take the measurements of a view from one camera to another."""
+        for known in self._families.values():
+            for one in known:
+                if one.sighting.serial == serial:
+                    shift = moved_points(one.place_m[:3], old, new) - one.place_m[:3]
+                    one.place_m = one.place_m + np.tile(shift, 5)
+                    one.points_m = moved_points(one.points_m, old, new)
+
+    def moved(self) -> None:
+        """Regions are derived when asked."""
 
     def find(self) -> list[Found]:
         """Return all instances: regions with enough evidence."""
@@ -69,7 +118,7 @@ class RegionFinder:
                     out.append(found)
         return out
 
-    def _regions(self, key: str, sightings: list[Sighting]) -> list[list[Sighting]]:
+    def _regions(self, key: str, sightings: list[Placed]) -> list[list[Placed]]:
         """Return the sightings of each region."""
         ids = [i for i, graph in enumerate(self._maps.graphs) if family(graph.name) == key]
         places, weights = self._maps.stacked(ids)
@@ -78,44 +127,58 @@ class RegionFinder:
         origin = places.min(0) - 2
         dense = np.zeros(tuple(places.max(0) - origin + 3))
         dense[tuple((places - origin).T)] = weights
-        width_m = float(np.median([min(s.place.size_m) for s in sightings]))
+        width_m = float(np.median([one.size_m.min() for one in sightings]))
         score = smoothed(
             dense, np.minimum(REGION_OF_WIDTH * width_m / self._edges_m, MAX_SIGMA_CELLS)
         )
-        cores = [self._core(s, origin, score) for s in sightings]
-        labels = label_regions(score, cores, [s.serial for s in sightings])
-        groups: dict[int, list[Sighting]] = {}
+        cores = [self._core(one, origin, score) for one in sightings]
+        labels = label_regions(score, cores, [one.sighting.serial for one in sightings])
+        groups: dict[int, list[Placed]] = {}
         for sighting, core in zip(sightings, cores, strict=True):
             if core in labels:
                 groups.setdefault(labels[core], []).append(sighting)
         return list(groups.values())
 
-    def _core(self, sighting: Sighting, origin: Floats, score: Floats) -> Cell:
+    def _core(self, one: Placed, origin: Floats, score: Floats) -> Cell:
         """Return the cell of a detection's points with the highest score."""
-        cells = np.floor(sighting.place.points_m / self._edges_m).astype(np.int64) - origin
+        cells = np.floor(one.points_m / self._edges_m).astype(np.int64) - origin
         cells = np.clip(cells, 1, np.array(score.shape) - 2)
         best = cells[int(np.argmax(score[tuple(cells.T)]))]
         return int(best[0]), int(best[1]), int(best[2])
 
-    def _found(self, members: list[Sighting]) -> Found | None:
-        track = Track()
-        for sighting in members:
-            track.add(sighting)
-        seen = track.seen(self._views)
-        hits = int(seen.sum())
-        misses = int((track.expected(self._views) & ~seen).sum())
-        if not enough(hits, misses, self._views, self._settings):
+    def _found(self, members: list[Placed]) -> Found | None:
+        """Return the instance that a region's sightings make, if they do."""
+        used = members[-MEMBERS:]
+        shape = robust_geometry(
+            np.array([[one.place_m for one in used]]),
+            np.array([[one.sighting.weight for one in used]]),
+            np.array([[one.at_border for one in used]]),
+            np.ones((1, len(used)), dtype=bool),
+        )
+        picks = np.linspace(0, len(used) - 1, min(len(used), POINT_VIEWS)).astype(int)
+        points = np.concatenate([used[i].points_m[::2] for i in picks]).astype(np.float32)
+        size = float(np.linalg.norm(np.maximum(shape.high[0] - shape.low[0], 0.02)))
+        area = float(np.median([one.size_m.prod() for one in used]))
+        expected = should_see(self._views, shape.center[0], size, area, points)
+        seen = self._views.slots(sorted({one.sighting.serial for one in members}))
+        misses = len(np.setdiff1d(expected, seen))
+        if not enough(len(seen), misses, self._views.total, self._settings):
             return None
-        low, high = extent([sighting.place for sighting in members])
+        votes = Votes()
+        for one in members:
+            votes.add(one.sighting)
+        outer = (shape.outer_low[0] + shape.outer_high[0]) / 2
         return Found(
-            name=track.name,
-            center_m=(track.center_m + (low + high) / 2) / 2,
-            low_m=low,
-            high_m=high,
-            sightings=members,
-            weights=track.weights,
+            name=votes.look()[0],
+            center_m=(shape.center[0] + outer) / 2,
+            low_m=shape.outer_low[0],
+            high_m=shape.outer_high[0],
+            hits=len(seen),
             misses=misses,
-            points_m=track.points_m(),
+            votes=votes,
+            points_m=points,
+            covariance_m2=shape.spread_m2[0],
+            first=min(one.sighting.serial for one in members),
         )
 
 

@@ -12,6 +12,7 @@ from doro_schemas.messages import (
     GridRequest,
     InstancesRequest,
     InstructionGraph,
+    PoseCorrections,
 )
 from doro_schemas.runner import Shell, run_service
 
@@ -24,6 +25,7 @@ def wire(shell: Shell, settings: MapperSettings) -> None:
     shell.on(FrameGraphs, guide.frame_graphs)
     shell.on(Exploration, guide.exploration)
     shell.on(InstructionGraph, guide.instruction)
+    shell.on(PoseCorrections, core.pose_corrections)
     shell.answer(InstancesRequest, core.instances)
     shell.answer(GridRequest, core.grid)
     shell.counters(lambda: core.counters)

@@ -25,12 +25,17 @@ NO_LANDMARKS = (
 )
 
 
+MAX_SAMPLES = 32
+"""Per side: a box's samples are numbered with 10 bits."""
+
+
 class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
     """What may be tuned. Defaults are the study's (five bedrooms, then frozen).
 
     Attributes:
         finder: method that tells instances apart: ``tracks`` (object tracks with negative
-            evidence) or ``grid`` (the paper's regions over the hash maps, corrected).
+            evidence), ``grid`` (the paper's regions over the hash maps, corrected) or
+            ``paper_literal`` (Algorithm 1 as printed).
         cell_m, band_m: edge of a ground cell and height of a band.
         sigma: width of the soft mask as a fraction of the box side.
         samples: pixels looked at per side of a box.
@@ -39,9 +44,14 @@ class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
             place are one thing.
         max_depth_m: farther depth is not used.
         max_pending_frames: frames that wait for their other half; the oldest goes first.
-        max_views: frames remembered for negative evidence; the oldest is forgotten first.
+        max_views: frames remembered for negative evidence; the oldest is forgotten first, its
+            hits and misses stay counted.
+        max_tracks: tracks kept; beyond it the weakest is forgotten.
         max_cells: cells of the map; further ones are counted and left out.
         coverage_cell_m: edge of the squares in which unseen area is counted.
+        region_m, gamma: edge of a region and least score, of ``paper_literal`` only.
+        literal_index: what ``paper_literal`` takes for the next best region: ``id`` as printed,
+            ``rank`` as meant.
         min_hits: views that make an instance.
         min_hit_share: least hits / (hits + misses) of an instance.
         few_views: below so many frames one view without a miss makes an instance.
@@ -53,7 +63,7 @@ class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
         planner: of the next view, table ``[mapper.planner]``.
     """
 
-    finder: Literal["tracks", "grid"] = "tracks"
+    finder: Literal["tracks", "grid", "paper_literal"] = "tracks"
     cell_m: float = 0.05
     band_m: float = 0.10
     sigma: float = 0.25
@@ -62,9 +72,13 @@ class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
     duplicate_iou: float = 0.7
     max_depth_m: float = 20.0
     max_pending_frames: int = 64
-    max_views: int = 4000
+    max_views: int = 2000
+    max_tracks: int = 500
     max_cells: int = 500_000
     coverage_cell_m: float = 0.25
+    region_m: float = 0.5
+    gamma: float = 0.02
+    literal_index: Literal["id", "rank"] = "id"
     min_hits: int = 2
     min_hit_share: float = 0.25
     few_views: int = 40
@@ -75,9 +89,15 @@ class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
     planner: PlannerSettings = PlannerSettings()
 
     def __post_init__(self) -> None:
-        lengths = (self.cell_m, self.band_m, self.sigma, self.coverage_cell_m, self.max_depth_m)
+        lengths = [self.cell_m, self.band_m, self.sigma, self.coverage_cell_m]
+        lengths += [self.max_depth_m, self.region_m]
         if min(lengths) <= 0:
-            raise ValueError("cell_m, band_m, sigma, coverage_cell_m and max_depth_m must be > 0")
-        bounds = (self.samples, self.max_pending_frames, self.max_views, self.max_cells)
-        if min(bounds) < 1 or self.min_hits < 1:
+            raise ValueError(
+                "cell_m, band_m, sigma, coverage_cell_m, max_depth_m and region_m must be > 0"
+            )
+        bounds = [self.samples, self.max_pending_frames, self.max_views, self.max_cells]
+        bounds += [self.max_tracks, self.min_hits]
+        if self.samples > MAX_SAMPLES:
+            raise ValueError(f"samples must be at most {MAX_SAMPLES} per side")
+        if min(bounds) < 1:
             raise ValueError("samples, min_hits and all max_... counts must be at least 1")

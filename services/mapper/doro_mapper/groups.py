@@ -1,0 +1,255 @@
+"""Which tracks make up which thing, kept up to date frame by frame; ids that stay.
+
+A track's neighbourhood is looked at again when its geometry changed or its views grew by a
+tenth since the last time: often at first, then ever less, whatever the length of the run.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from doro_mapper.boxes import distance
+from doro_mapper.existence import enough, has_gone
+from doro_mapper.finder import Found, family
+from doro_mapper.items import MERGE_RANGE_M, PRUNE_REACH_M, Item, item_of
+from doro_mapper.merging import MERGE_FAR_GATE, Cluster
+from doro_mapper.settings import MapperSettings
+from doro_mapper.table import Ints, TrackTable
+from doro_mapper.views import Bools, Views
+from doro_mapper.votes import Votes, merged
+
+GROWTH = 1.1
+MAX_LOST = 256
+SMALL_M = 0.5
+"""Larger things hide behind each other too much for misses alone to say that one has gone."""
+
+
+@dataclass(eq=False, slots=True)
+class Group:
+    """The tracks of one thing, the one with most views first; or none: explained away.
+
+    Attributes:
+        item: rows and geometry as of when it was last looked at.
+        read: slots of other tracks' views that are read as views of this one.
+        absorbed: rows of tracks that were explained away by it.
+    """
+
+    item: Item
+    read: Bools | None
+    absorbed: list[int]
+
+    @property
+    def main(self) -> int:
+        return self.item.rows[0]
+
+
+class Groups:
+    """The things that tracks stand for, and their ids."""
+
+    def __init__(
+        self,
+        settings: MapperSettings,
+        views: Views,
+        table: TrackTable,
+        votes: dict[int, Votes],
+    ) -> None:
+        self._settings = settings
+        self._views = views
+        self._table = table
+        self._votes = votes
+        self._near: Bools = np.zeros((0, 0), dtype=bool)
+        self._placed: Ints = np.zeros(0, dtype=np.int64)
+        self._judged_hits: Ints = np.zeros(0, dtype=np.int64)
+        self._groups: dict[int, Group] = {}
+        self._group_of: dict[int, int] = {}
+        self._ids: dict[int, str] = {}
+        self._counts: dict[str, int] = {}
+        self._lost: dict[str, None] = {}
+        self._cache: dict[int, Found] = {}
+
+    def loose(self, rows: Ints) -> Bools:
+        """Tell which rows stand for themselves alone and have no id."""
+        out = np.zeros(len(rows), dtype=bool)
+        for index, row in enumerate(rows.tolist()):
+            group = self._groups.get(self._group_of.get(row, -1))
+            alone = group is not None and len(group.item.rows) == 1 and not group.absorbed
+            out[index] = alone and row not in self._ids
+        return out
+
+    def update(self) -> None:
+        """Take account of what the last frame changed."""
+        self._grow()
+        rows = self._table.rows
+        changed = rows[self._placed[rows] != self._table.version[rows]]
+        grown = rows[self._table.hits[rows] >= GROWTH * self._judged_hits[rows]]
+        grown = grown[self._table.hits[grown] != self._judged_hits[grown]]
+        if len(changed):
+            self._place(changed, rows)
+        pending = dict.fromkeys(np.union1d(changed, grown).tolist())
+        while pending:
+            cluster = self._cluster(next(iter(pending)))
+            for row in cluster:
+                pending.pop(row, None)
+            self._judge(cluster)
+        self._number()
+
+    def _grow(self) -> None:
+        room = len(self._table.alive)
+        if room > len(self._near):
+            near = np.zeros((room, room), dtype=bool)
+            near[: len(self._near), : len(self._near)] = self._near
+            self._near = near
+            more = np.zeros(room - len(self._placed), dtype=np.int64)
+            self._placed = np.concatenate([self._placed, more])
+            self._judged_hits = np.concatenate([self._judged_hits, more])
+
+    def _place(self, changed: Ints, rows: Ints) -> None:
+        """Find the neighbours of tracks whose geometry changed."""
+        table = self._table
+        self._placed[changed] = table.version[changed]
+        boxes, others = table.boxes(changed), table.boxes(rows)
+        gaps = distance(boxes, others, np.full(len(changed), MERGE_RANGE_M))
+        apart = np.linalg.norm(boxes.center_m[:, None] - others.center_m[None], axis=2)
+        size, other = table.size_m(changed), table.size_m(rows)
+        reach = PRUNE_REACH_M + 2 * np.maximum(size[:, None], other[None])
+        heads = [family(self._votes[row].look()[0]) for row in rows.tolist()]
+        own = [family(self._votes[row].look()[0]) for row in changed.tolist()]
+        same = np.array([[a == b for b in heads] for a in own], dtype=bool)
+        near = same & ((gaps < MERGE_FAR_GATE) | (apart <= reach))
+        near &= changed[:, None] != rows[None]
+        self._near[changed[:, None], rows] = near
+        self._near[rows[:, None], changed] = near.T
+
+    def _cluster(self, row: int) -> list[int]:
+        """Return the rows connected with a row, ascending."""
+        found = {row: None}
+        waiting = [row]
+        while waiting:
+            for other in np.flatnonzero(self._near[waiting.pop()]).tolist():
+                if other not in found:
+                    found[other] = None
+                    waiting.append(other)
+        return sorted(found)
+
+    def _judge(self, rows: list[int]) -> None:
+        """Merge and prune a cluster of tracks anew."""
+        table = self._table
+        self._judged_hits[rows] = table.hits[rows]
+        for row in rows:
+            self._groups.pop(self._group_of.pop(row, -1), None)
+        if len(rows) == 1:
+            self._keep(Group(item_of(rows[0], table, self._votes[rows[0]]), None, []))
+            return
+        cluster = Cluster(rows, table, self._views, self._votes)
+        cluster.merge()
+        gone = cluster.prune()
+        groups = {id(item): Group(item, None, []) for item in cluster.items}
+        for item, readings in gone:
+            for other, slots in readings:
+                group = groups.get(id(other))
+                if group is not None:
+                    read = np.zeros(table.seen.shape[1], dtype=bool)
+                    read[slots] = True
+                    group.read = read if group.read is None else group.read | read
+            heirs = [groups[id(other)] for other, _ in readings if id(other) in groups]
+            if heirs:
+                heirs[0].absorbed += item.rows
+                for row in item.rows:
+                    self._group_of[row] = heirs[0].main
+        for group in groups.values():
+            self._keep(group)
+
+    def _keep(self, group: Group) -> None:
+        self._groups[group.main] = group
+        for row in group.item.rows:
+            self._group_of[row] = group.main
+
+    def drop(self, row: int) -> None:
+        """Forget a track that is about to go; its group falls apart."""
+        self._near[row] = self._near[:, row] = False
+        self._placed[row] = self._judged_hits[row] = 0
+        group = self._groups.pop(self._group_of.pop(row, -1), None)
+        name = self._ids.pop(row, None)
+        if name is not None:
+            self._lost[name] = None
+            while len(self._lost) > MAX_LOST:
+                del self._lost[next(iter(self._lost))]
+        if group is not None:
+            for other in (*group.item.rows, *group.absorbed):
+                self._group_of.pop(other, None)
+                self._judged_hits[other] = 0
+        self._cache.pop(row, None)
+
+    def _counted(self, group: Group) -> tuple[int, int]:
+        """Return (hits, misses) of a group as of now."""
+        table, rows = self._table, group.item.rows
+        if len(rows) == 1 and group.read is None:
+            return int(table.hits[rows[0]]), int(table.misses[rows[0]])
+        seen = np.asarray(table.seen[rows].any(axis=0))
+        older = int((table.hits[rows] - table.seen[rows].sum(axis=1)).sum())
+        if group.read is not None:
+            seen[: len(group.read)] |= group.read
+        expected = table.expected[rows[: group.item.shaping]].any(axis=0)
+        misses = int((expected & ~seen).sum()) + int(table.old_misses[rows[0]])
+        return int(seen.sum()) + older, misses
+
+    def _number(self) -> None:
+        """Give ids to things that now count as instances, in order of their first track."""
+        for main in sorted(self._groups):
+            group = self._groups[main]
+            rows = group.item.rows
+            if any(row in self._ids for row in rows):
+                continue
+            if enough(*self._counted(group), self._views.total, self._settings):
+                name = self._votes[main].look()[0].replace(" ", "-")
+                self._counts[name] = self._counts.get(name, 0) + 1
+                self._ids[main] = f"{name}-{self._counts[name]}"
+
+    def lost(self) -> list[str]:
+        """Return ids of tracks that were forgotten, the latest."""
+        return list(self._lost)
+
+    def found(self) -> list[Found]:
+        """Return all instances, tentative and gone ones included, in order of their tracks."""
+        return [self._found(self._groups[main]) for main in sorted(self._groups)]
+
+    def _found(self, group: Group) -> Found:
+        table, rows = self._table, group.item.rows
+        hits, misses = self._counted(group)
+        version = (hits, misses, int(table.hits[rows].sum()), int(table.version[rows].sum()), *rows)
+        known = self._cache.get(group.main)
+        if known is None or known.version != version:
+            known = self._built(group, hits, misses, version)
+            self._cache[group.main] = known
+        known.tentative = not known.instance_id or not enough(
+            hits, misses, self._views.total, self._settings
+        )
+        run, empty = int(table.run[rows].min()), int(table.empty_run[rows].min())
+        small = float(np.linalg.norm(known.high_m - known.low_m)) < SMALL_M
+        known.gone = has_gone(hits, misses, run if small else 0, run, empty)
+        return known
+
+    def _built(self, group: Group, hits: int, misses: int, version: tuple[int, ...]) -> Found:
+        item, table = group.item, self._table
+        rows = item.rows
+        votes = self._votes[rows[0]] if len(rows) == 1 else merged(self._votes[r] for r in rows)
+        if len(rows) == 1:
+            item = item_of(rows[0], table, self._votes[rows[0]])
+        names = [self._ids[row] for row in rows if row in self._ids]
+        absorbed = [self._ids[row] for row in group.absorbed if row in self._ids]
+        return Found(
+            name=votes.look()[0],
+            center_m=(item.center_m + (item.outer_low_m + item.outer_high_m) / 2) / 2,
+            low_m=item.outer_low_m,
+            high_m=item.outer_high_m,
+            hits=hits,
+            misses=misses,
+            votes=votes,
+            points_m=np.concatenate([table.probe_m[row] for row in rows[: item.shaping]]),
+            covariance_m2=item.spread_m2,
+            instance_id=names[0] if names else "",
+            version=version,
+            replaced=(*names[1:], *absorbed),
+        )

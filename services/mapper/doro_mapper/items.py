@@ -1,0 +1,123 @@
+"""Things as far as merging has come: one track or several, and how two of them lie."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from doro_mapper.boxes import Boxes, distance
+from doro_mapper.finder import NEVER, Look, attributes_agree, graph_factor, names_agree
+from doro_mapper.table import TrackTable
+from doro_mapper.views import Bools, Floats
+from doro_mapper.votes import Votes
+
+MERGE_RANGE_M = 1.5
+"""Range assumed for the margin between two tracks."""
+PRUNE_REACH_M = 0.5
+FURNITURE_M = 0.6
+"""Things with a longer side are seen in part more often than whole."""
+ABOVE_GAP_M = 0.15
+TALLEST_M = 1.4
+CORNER_GAP_M = 0.3
+Shape = tuple[Floats, Floats, Floats, Floats, Floats, Floats]
+
+
+@dataclass(eq=False, slots=True)
+class Item:
+    """One thing as far as merging has come.
+
+    Attributes:
+        rows: tracks in it; those before ``shaping`` give its geometry.
+        seen, expected: (slots,) views that saw it, and that should have.
+        center_m, low_m, high_m, outer_low_m, outer_high_m, spread_m2: geometry.
+    """
+
+    rows: list[int]
+    shaping: int
+    look: Look
+    seen: Bools
+    expected: Bools
+    hits: int
+    center_m: Floats
+    low_m: Floats
+    high_m: Floats
+    outer_low_m: Floats
+    outer_high_m: Floats
+    spread_m2: Floats
+
+    @property
+    def shape(self) -> Shape:
+        """Its geometry, in the order of the fields."""
+        return (
+            self.center_m,
+            self.low_m,
+            self.high_m,
+            self.outer_low_m,
+            self.outer_high_m,
+            self.spread_m2,
+        )
+
+
+def item_of(row: int, table: TrackTable, votes: Votes) -> Item:
+    """Return a track as an item."""
+    return Item(
+        rows=[row],
+        shaping=1,
+        look=votes.look(),
+        seen=table.seen[row],
+        expected=table.expected[row],
+        hits=int(table.hits[row]),
+        center_m=table.center_m[row],
+        low_m=table.low_m[row],
+        high_m=table.high_m[row],
+        outer_low_m=table.outer_low_m[row],
+        outer_high_m=table.outer_high_m[row],
+        spread_m2=table.spread_m2[row],
+    )
+
+
+def strength(item: Item) -> float:
+    missed = int((item.expected & ~item.seen).sum())
+    return item.hits / (item.hits + missed + 2.0)
+
+
+def gaps_of(items: list[Item]) -> Floats:
+    """Return the symmetric distances (n, n), NEVER on and below the diagonal."""
+    boxes = Boxes(
+        np.array([item.center_m for item in items]),
+        np.array([item.low_m for item in items]),
+        np.array([item.high_m for item in items]),
+    )
+    gaps = distance(boxes, boxes, np.full(len(items), MERGE_RANGE_M))
+    factor = [[graph_factor(a.look, b.look) for b in items] for a in items]
+    gaps = np.minimum(gaps, gaps.T) * np.array(factor)
+    gaps[np.tril_indices(len(items))] = NEVER
+    return np.asarray(gaps)
+
+
+def one_above(a: Item, b: Item) -> bool:
+    """Tell whether two parts of furniture lie above each other: seat and back of one chair.
+
+    From across a table only the back shows, so that the two are never seen together; two
+    chairs cannot stand so close.
+    """
+    low, high = np.minimum(a.low_m, b.low_m), np.maximum(a.high_m, b.high_m)
+    size = np.maximum(a.high_m - a.low_m, b.high_m - b.low_m)
+    if float(size.max()) < FURNITURE_M:
+        return False
+    footprint = 0.5 * float(size[:2].max())
+    apart = float(np.hypot(*(a.center_m - b.center_m)[:2]))
+    gap_up = max(a.low_m[2] - b.high_m[2], b.low_m[2] - a.high_m[2])
+    return apart <= footprint and gap_up <= ABOVE_GAP_M and float((high - low)[2]) <= TALLEST_M
+
+
+def agree(a: Item, b: Item) -> bool:
+    """Tell whether two items' graphs may be of one thing."""
+    return names_agree(a.look[0], b.look[0]) and attributes_agree(a.look[1], b.look[1])
+
+
+def in_reach(other: Item, item: Item) -> bool:
+    """Tell whether an item may be a view of another, by distance."""
+    reach = PRUNE_REACH_M + 2 * float(np.linalg.norm(other.high_m - other.low_m))
+    return float(np.linalg.norm(other.center_m - item.center_m)) <= reach

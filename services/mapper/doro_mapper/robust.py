@@ -1,0 +1,75 @@
+"""Robust geometry of things from several measurements each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from doro_mapper.views import Bools, Floats
+
+QUANTILE = 0.2
+FEW = 3
+NOISE_M = 0.01
+"""Standard deviation of a measurement that no number of views averages away."""
+
+
+@dataclass(frozen=True, slots=True)
+class Geometry:
+    """Of n things: centre, association box, extent, covariance of the centre."""
+
+    center: Floats
+    low: Floats
+    high: Floats
+    outer_low: Floats
+    outer_high: Floats
+    spread_m2: Floats
+
+
+def _quantile(ordered: Floats, count: Floats, share: float) -> Floats:
+    """Return quantiles (n, k) with linear interpolation of sorted (n, m, k), inf-padded."""
+    place = share * (count - 1)
+    below = np.floor(place).astype(np.int64)
+    above = np.minimum(below + 1, count.astype(np.int64) - 1)
+    row = np.arange(len(ordered))
+    first, second = ordered[row, below], ordered[row, above]
+    return np.asarray(first + (place - below)[:, None] * (second - first))
+
+
+def robust_geometry(place: Floats, weight: Floats, border: Bools, valid: Bools) -> Geometry:
+    """Return the geometry of n things from up to m measurements each.
+
+    Measurements far from the median count less; the box runs from the 20 % quantile of the low
+    corners to the 80 % quantile of the high ones (study, point 4). The extent is the median over
+    views: a view's own bounds hold some background or miss a side. Views cut off by the
+    image's border are left out where there are others.
+
+    Args:
+        place: (n, m, 15) centre, low, high, outer low, outer high.
+        weight: (n, m).
+        border: (n, m) the view cuts the thing off.
+        valid: (n, m) the first so many measurements are there.
+    """
+    count = valid.sum(axis=1).astype(np.float64)
+    ordered = np.sort(np.where(valid[:, :, None], place, np.inf), axis=1)
+    middle = _quantile(ordered[:, :, :3], count, 0.5)
+    away = np.linalg.norm(place[:, :, :3] - middle[:, None], axis=2)
+    scale = _quantile(np.sort(np.where(valid, away, np.inf), axis=1)[:, :, None], count, 0.5) + 0.02
+    robust = weight * np.exp(-0.5 * np.minimum(away / (2 * scale), 6) ** 2) + 1e-9
+    few = count < FEW
+    weight = np.where(valid, np.where(few[:, None], weight, robust), 0.0)
+    weight = weight / weight.sum(axis=1, keepdims=True)
+    mean = np.einsum("nm,nmk->nk", weight, np.where(valid[:, :, None], place[:, :, :9], 0.0))
+    low = np.where(few[:, None], mean[:, 3:6], _quantile(ordered[:, :, 3:6], count, QUANTILE))
+    high = np.where(few[:, None], mean[:, 6:9], _quantile(ordered[:, :, 6:9], count, 1 - QUANTILE))
+    center = np.where(few[:, None], mean[:, :3], 0.5 * mean[:, :3] + 0.25 * (low + high))
+    whole = valid & ~border
+    whole |= valid & ~whole.any(axis=1, keepdims=True)
+    shown = np.sort(np.where(whole[:, :, None], place[:, :, 9:], np.inf), axis=1)
+    outer = _quantile(shown, whole.sum(axis=1).astype(np.float64), 0.5)
+    off = np.where(valid[:, :, None], place[:, :, :3] - mean[:, None, :3], 0.0)
+    spread = np.einsum("nm,nmi,nmj->nij", weight, off, off)
+    effective = 1 / np.maximum((weight**2).sum(axis=1), 1e-12)
+    spread = spread / np.maximum(effective - 1, 1.0)[:, None, None] + NOISE_M**2 * np.eye(3)
+    spread[few] += np.eye(3) * 0.05**2
+    return Geometry(center, low, high, outer[:, :3], outer[:, 3:], spread)
