@@ -78,12 +78,15 @@ def _relation_rank(kind: str, inverse: bool) -> tuple[int, str]:
 def facts_of(graph: ObjectGraph) -> list[Fact]:
     """Return a graph's own facts in the documented order; equal types keep their order."""
     facts: list[Fact] = [Attribute(key, value) for key, value in graph.attributes.items()]
-    return sorted([*facts, *graph.relations], key=rank)
+    facts += graph.relations
+    return sorted(facts, key=rank) if len(facts) > 1 else facts
 
 
 def graph_with(name: str, facts: Iterable[Fact]) -> ObjectGraph:
     """Return the graph that has exactly these facts, in the documented order."""
-    ordered = sorted(facts, key=rank)
+    ordered = list(facts)
+    if len(ordered) > 1:
+        ordered.sort(key=rank)
     return ObjectGraph(
         name=name,
         attributes={fact.type: fact.value for fact in ordered if isinstance(fact, Attribute)},
