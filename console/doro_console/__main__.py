@@ -11,6 +11,7 @@ import click
 import msgspec
 from rich.console import Console
 
+from doro_console.bench_mapper import bench_mapper
 from doro_console.caption import caption
 from doro_console.evaluate import evaluate
 from doro_console.hosts import hosts
@@ -244,6 +245,7 @@ def bench_dialogue(json_path: Path | None, count: int, scenes: int, through_bus:
 for command in (play, record, import_folder, rooms, hosts, evaluate, study, tune, caption):
     main.add_command(command)
 rooms.add_command(sheet)
+bench.add_command(bench_mapper)
 
 if __name__ == "__main__":
     main()

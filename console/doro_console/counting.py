@@ -209,6 +209,37 @@ def chairs(options: Options, part: str, errors: str, finders: str) -> None:
     write_figures(options.json_path, figures_of(by_run), command, options.seed)
 
 
+@click.command("stacks")
+@click.option("--part", type=click.Choice(["stacks", "stacks-tune"]), default="stacks")
+@click.option("--errors", default="gt", show_default=True)
+@click.option("--rooms", "most", type=click.IntRange(1), help="Only so many recordings.")
+@click.option("--failures", "failures_path", type=FILE, help="Wrong stacks as JSON lines.")
+@shared_options
+@says_refusals
+def stacks(
+    options: Options, part: str, errors: str, most: int | None, failures_path: Path | None
+) -> None:
+    """Piles of 2 to 4 things: counted once, with the right chain of is-on and is-at?"""
+    from doro_evaluation.figures import write_figures
+    from doro_evaluation.runs import error_names, recordings_of, spread
+    from doro_evaluation.stacks import figures_of, run_stacks, table_of, write_failures
+
+    every = recordings_of(ensure_set(options, part, (part,)), part)
+    found, names = spread(every, most), error_names(errors)
+    context = make_context(every, part, options)
+    results = []
+    with progress_bar() as progress:
+        task = progress.add_task("stacks", total=len(found))
+        for some in run_stacks(found, names, context, options.workers):
+            results += some
+            progress.update(task, advance=1)
+    show(table_of(results))
+    if failures_path is not None:
+        write_failures(failures_path, results)
+    command = f"doro eval stacks --part {part} --errors {errors}"
+    write_figures(options.json_path, figures_of(results), command, options.seed)
+
+
 def run_shuffle(found: Sequence[Recorded], context: Context, orders: int, options: Options) -> None:
     """Compare shuffled orders of the views with the recorded one, print and write figures."""
     from doro_evaluation.figures import write_figures

@@ -8,7 +8,7 @@ import click
 from rich.console import Console
 from rich.progress import Progress
 
-from doro_console.counting import chairs, counting
+from doro_console.counting import chairs, counting, stacks
 from doro_console.options import says_refusals, talk
 from doro_console.planning import planning
 from doro_console.queries import queries
@@ -45,5 +45,5 @@ def tagging(gold: Path | None, bert_base: Path | None, seed: int, json_path: Pat
     write_figures(json_path, figures_of(reports), f"doro eval tagging --seed {seed}", seed)
 
 
-for command in (counting, chairs, planning, queries):
+for command in (counting, chairs, stacks, planning, queries):
     evaluate.add_command(command)

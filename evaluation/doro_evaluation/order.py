@@ -7,11 +7,8 @@ instance to the one of its class that is nearest in a one-to-one pairing.
 
 from __future__ import annotations
 
-import multiprocessing
-import os
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import msgspec
@@ -21,7 +18,7 @@ from rich.table import Table
 
 from doro_evaluation.chain import Language, Room, count_instances, load_room
 from doro_evaluation.counting_report import Figures
-from doro_evaluation.runs import Context, Recorded
+from doro_evaluation.runs import Context, Recorded, in_processes
 from doro_mapper.assignment import assign
 from doro_schemas.messages import FrameGraphs, Instance
 
@@ -48,14 +45,8 @@ def compare_orders(
     recordings: Sequence[Recorded], context: Context, orders: int, workers: int = 2
 ) -> Iterator[OrderResult]:
     """Yield the result of each recording as it is done, in order of recordings."""
-    os.environ.setdefault("OMP_NUM_THREADS", "1")
     calls = [(Path(item.path), context, orders) for item in recordings]
-    if workers <= 1 or len(calls) <= 1:
-        yield from map(_compare, calls)
-        return
-    spawn = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(workers, len(calls)), mp_context=spawn) as pool:
-        yield from pool.map(_compare, calls)
+    yield from in_processes(_compare, calls, workers)
 
 
 def compare_order(

@@ -10,10 +10,11 @@ from __future__ import annotations
 import hashlib
 import multiprocessing
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from importlib.util import find_spec
 from pathlib import Path
+from typing import TypeVar
 
 import msgspec
 
@@ -35,6 +36,8 @@ from doro_schemas.errors import Refused
 from doro_schemas.messages import FrameGraphs
 from doro_sim_feeder.rooms.make_set import file_digest
 
+Call = TypeVar("Call")
+Result = TypeVar("Result")
 CONCEPTGRAPHS = "conceptgraphs_like"
 SYSTEMS = {"tracks": "ours", "grid": "grid", "paper_literal": "paper_literal"}
 """Name of a system in tables and figures, by the mapper's finder."""
@@ -141,9 +144,7 @@ def make_pool(recordings: Sequence[Recorded], part: str, cache: Path) -> Path:
     return path
 
 
-def code_digest(
-    packages: Sequence[str] = DEPENDS_ON, own_files: Sequence[str] = OWN_FILES
-) -> str:
+def code_digest(packages: Sequence[str] = DEPENDS_ON, own_files: Sequence[str] = OWN_FILES) -> str:
     """Return the digest of the code and the models that outcomes depend on."""
     digest = hashlib.sha256()
     for package in packages:
@@ -177,6 +178,19 @@ def run_jobs(jobs: Sequence[Job], context: Context, workers: int = 2) -> Iterato
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
+
+
+def in_processes(
+    function: Callable[[Call], Result], calls: Sequence[Call], workers: int
+) -> Iterator[Result]:
+    """Yield the results of calls in their order, from several processes with one thread each."""
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    if workers <= 1 or len(calls) <= 1:
+        yield from map(function, calls)
+        return
+    spawn = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(min(workers, len(calls)), mp_context=spawn) as pool:
+        yield from pool.map(function, calls)
 
 
 class _Worker:
