@@ -92,7 +92,7 @@ class Walk:
         silent = msgspec.structs.replace(settings.planner, every=0)
         self._guide = Guide(self._core, silent, settings.max_pending_frames)
         self._views = [viewpoint_of(depth.pose) for depth in room.depths]
-        self._left = dict.fromkeys(range(len(self._views)))
+        self._left: dict[int, None] = dict.fromkeys(range(len(self._views)))
         self.taken: list[int] = []
         self.travel_m = 0.0
         self.goal_ms: list[float] = []
