@@ -48,6 +48,8 @@ TARGETS = [
     ("I don't want the {O tea} , bring the {O pot}", "pot"),
     ("not the {C red} {O cup} , the {C blue} {O bowl}", "bowl{color=blue}"),
     ("the {O cup} that isn't {C red}", "cup"),
+    ("my {O mug} is {A in} the {R office can} you get it", "mug(is-at office)"),
+    ("bring the {O picture of} my dog", "picture"),
     ("the {O cup} , not the {C red} one but the {C blue} one", "cup{color=blue}"),
     ("the {O book} is {P on} the {R sofa} , it's {C blue}", "book{color=blue}(is-on sofa)"),
 ]  # fmt: skip

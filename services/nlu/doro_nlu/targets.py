@@ -14,6 +14,7 @@ from doro_nlu.words import (
     DETERMINERS,
     FETCH_VERBS,
     JOINTS,
+    MODALS,
     NEGATORS,
     NO_THINGS,
     NOT_TARGETS,
@@ -49,6 +50,7 @@ def settle(words: Sequence[str], spans: Sequence[Span]) -> Settled | None:
         words: the tokens in lower case.
         spans: the tagger's spans in order.
     """
+    spans = [_without_question(words, span) for span in spans]
     objects = [span for span in spans if span.kind == OBJECT and _names_a_thing(span.text)]
     if not objects:
         return None
@@ -66,6 +68,15 @@ def settle(words: Sequence[str], spans: Sequence[Span]) -> Settled | None:
 def has_letter(text: str) -> bool:
     """Tell whether a text can name something."""
     return any(char.isalpha() for char in text)
+
+
+def _without_question(words: Sequence[str], span: Span) -> Span:
+    """Cut back a noun that runs into the next question: "... in the office can you get it"."""
+    asks = words[span.end - 1] in MODALS and words[span.end : span.end + 1] in (["you"], ["we"])
+    if not (asks and is_noun(span.kind) and span.end - span.start > 1):
+        return span
+    end = span.end - 1
+    return span._replace(end=end, text=" ".join(words[span.start : end]))
 
 
 def _names_a_thing(text: str) -> bool:

@@ -90,6 +90,7 @@ NOT_TARGETS = frozenset(
 )
 """What follows "take" in "take a left", "take two steps": nothing to fetch."""
 
+MODALS = frozenset(_words("can could will would"))
 NO_THINGS = frozenset(
     _words(
         "straight ahead forward forwards backward backwards left right here there now today"
