@@ -34,6 +34,7 @@ FOOT_SHARE = 0.08
 NEAR_SHARE, LEVEL_SHARE = 0.5, 0.35
 LEAST_POINTS, CORE_SHARE, LAYER_M = 12, 0.8, 0.35
 TRIM = (5.0, 95.0)
+SEEN_FROM_ABOVE = 0.5
 
 
 def from_boxes(names: Sequence[str], boxes: Boxes) -> Found:
@@ -129,8 +130,11 @@ def _solid(
     z = part[rows, columns]
     world = backproject(columns + x0 + 0.5, rows + y0 + 0.5, z, lens, pose)
     low, high = np.percentile(world, TRIM, axis=0)
-    center, size = (low + high) / 2, high - low
     first, second, up = bev_axes(pose.world)
+    # From above only the top is seen: it is taken to be half as high as it is wide, at least.
+    least = SEEN_FROM_ABOVE * min(high[first] - low[first], high[second] - low[second])
+    low[up] = min(low[up], high[up] - least)
+    center, size = (low + high) / 2, high - low
     order = (first, second, up)
     return Box3(
         (float(center[order[0]]), float(center[order[1]]), float(center[order[2]])),
