@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
+import msgspec
 import numpy as np
 from rich.console import Console
 from rich.table import Table
@@ -19,7 +20,7 @@ from doro_console.options import sample_recording, talk
 from doro_console.processes import free_port
 from doro_evaluation.dialogue_bench import (
     TARGETS_MS,
-    decide_message_ms,
+    core_times_ms,
     instructions,
     run_core_bench,
 )
@@ -51,44 +52,70 @@ def run_bench_dialogue(json_path: Path | None, count: int, scenes: int, through_
     write_figures(json_path, figures, f"doro bench dialogue --count {count} --scenes {scenes}")
 
 
+class _Run(msgspec.Struct):
+    """What a run through the services gives, milliseconds.
+
+    Attributes:
+        graph, query: from each instruction to its graph, and to its query.
+        round_trip: of a request to the map; stages: the services' own p50.
+        core: the dialogue's core, done again in process.
+    """
+
+    graph: list[float]
+    query: list[float]
+    round_trip: list[float]
+    stages: dict[str, float]
+    core: list[float]
+
+
 def bench_bus(count: int) -> dict[str, Figure]:
     """Return the time from an instruction to its query, and where it goes, in milliseconds.
 
     Router, nlu, perception, mapper and dialogue run as processes on this host; the sample room
-    is played first. Every sentence is another one, so that nlu has none of them ready.
+    is played first. Every sentence is another one, so that nlu has none of them ready. A second
+    run, in which the dialogue keeps no state on disk, tells what that costs.
 
     Raises:
         Refused: a service did not start, or a query did not come.
     """
+    with tempfile.TemporaryDirectory() as folder:
+        run = _run(count, folder)
+    off = _run(count, "off")
+    (p50_ms, p99_ms), off_ms = np.percentile(run.query, [50, 99]), float(np.median(off.query))
+    parts = {**off.stages, "dialogue": float(np.median(off.core))}
+    measured = {
+        "instruction_to_query_p50_ms": float(p50_ms),
+        "instruction_to_query_p99_ms": float(p99_ms),
+        "instruction_to_graph_p50_ms": float(np.median(run.graph)),
+        "instances_round_trip_p50_ms": float(np.median(run.round_trip)),
+        "without_state_p50_ms": off_ms,
+        **{f"{name}_p50_ms": value for name, value in parts.items()},
+        "rest_p50_ms": off_ms - sum(parts.values()),
+        "state_p50_ms": float(p50_ms) - off_ms,
+    }
+    figures: dict[str, Figure] = {name: round(value, 4) for name, value in measured.items()}
+    figures["queries"] = len(run.query)
+    return {f"speed/dialogue/bus_{name}": value for name, value in figures.items()}
+
+
+def _run(count: int, state_dir: str) -> _Run:
     sentences = instructions(count + WARM_UP)
-    with _services() as bus, sample_recording() as sample:
+    with _services(state_dir) as bus, sample_recording() as sample:
         conversation = Conversation(bus)
         health = _Health(bus)
-        talk.print("playing the sample room")
+        talk.print(f"playing the sample room, state {'off' if state_dir == 'off' else 'kept'}")
         Player(bus, PlaySettings()).play(Recording(sample))
         times = [_instruct(bus, conversation, text) for text in sentences][WARM_UP:]
         parsed = conversation.parsed[WARM_UP:]
         asked = [_ask(bus, one) for one in parsed]
         stages = health.after(count)
-    round_trips_ms = [one[0] for one in asked]
-    replies = [(one, reply) for one, (_, reply) in zip(parsed, asked, strict=True)]
-    total_ms, p99_ms = (float(one) for one in np.percentile([one[1] for one in times], [50, 99]))
-    parts = {
-        "nlu": stages["nlu", "instruction"],
-        "mapper": stages["mapper", "instances"],
-        "dialogue": float(np.median(decide_message_ms(replies))),
-    }
-    measured = {
-        "bus_instruction_to_query_p50_ms": total_ms,
-        "bus_instruction_to_query_p99_ms": p99_ms,
-        "bus_instruction_to_graph_p50_ms": float(np.median([one[0] for one in times])),
-        "bus_instances_round_trip_p50_ms": float(np.median(round_trips_ms)),
-        **{f"bus_{name}_p50_ms": value for name, value in parts.items()},
-        "bus_rest_p50_ms": total_ms - sum(parts.values()),
-    }
-    figures: dict[str, Figure] = {name: round(value, 4) for name, value in measured.items()}
-    figures["bus_queries"] = len(times)
-    return {f"speed/dialogue/{name}": value for name, value in figures.items()}
+    return _Run(
+        graph=[one for one, _ in times],
+        query=[one for _, one in times],
+        round_trip=[one for one, _ in asked],
+        stages={"nlu": stages["nlu", "instruction"], "mapper": stages["mapper", "instances"]},
+        core=core_times_ms([(one, reply) for one, (_, reply) in zip(parsed, asked, strict=True)]),
+    )
 
 
 def _instruct(bus: Bus, conversation: Conversation, text: str) -> tuple[float, float]:
@@ -151,11 +178,12 @@ class _Health:
 
 
 @contextmanager
-def _services() -> Iterator[Bus]:
+def _services(state_dir: str) -> Iterator[Bus]:
     """Run router and services on a free port; yield a bus to them."""
     endpoint = f"tcp/127.0.0.1:{free_port()}"
+    sets = [f"bus.endpoint={endpoint}", f"dialogue.state_dir={state_dir}"]
     with tempfile.TemporaryFile() as log:
-        processes = [_start(name, endpoint, log.fileno()) for name in (*SERVICES, "router")]
+        processes = [_start(name, sets, log.fileno()) for name in (*SERVICES, "router")]
         try:
             with Bus("bench", BusSettings(endpoint=endpoint, open_timeout_s=READY_S)) as bus:
                 ended = [process for process in processes if process.poll() is not None]
@@ -169,9 +197,9 @@ def _services() -> Iterator[Bus]:
             _stop(processes)
 
 
-def _start(name: str, endpoint: str, log: int) -> subprocess.Popen[bytes]:
-    command = [str(Path(sys.executable).parent / f"doro-{name}"), "--set"]
-    command.append(f"bus.endpoint={endpoint}")
+def _start(name: str, sets: Sequence[str], log: int) -> subprocess.Popen[bytes]:
+    command = [str(Path(sys.executable).parent / f"doro-{name}")]
+    command += [word for one in sets for word in ("--set", one)]
     return subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log)
 
 

@@ -1,13 +1,14 @@
 """Speed of the dialogue's core: decision with question, and answers, on one thread.
 
 CPU time of the thread, so that other work on the machine does not count. Scenes look like
-what the mapper gives: cups with a color, a material, a place and two things near.
+what the mapper gives: cups with a color, a material, a place and two things near, each with its
+color and material.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import numpy as np
@@ -60,11 +61,13 @@ def scenes(candidates: int, count: int, seed: int) -> list[Scene]:
     def one_of(words: Sequence[str]) -> str:
         return words[int(rng.integers(len(words)))]
 
+    def thing(name: str) -> ObjectGraph:
+        return ObjectGraph(name, {"color": one_of(COLORS), "material": one_of(MATERIALS)})
+
     def cup() -> ObjectGraph:
-        own = {"color": one_of(COLORS), "material": one_of(MATERIALS)}
-        holder = ObjectGraph(one_of(HOLDERS), {"color": one_of(COLORS)})
-        near = [Relation("is-near", ObjectGraph(one_of(NEAR))) for _ in range(2)]
-        return ObjectGraph("cup", own, [Relation("is-on", holder), *near])
+        near = [Relation("is-near", thing(one_of(NEAR))) for _ in range(2)]
+        place = Relation("is-on", thing(one_of(HOLDERS)))
+        return ObjectGraph("cup", thing("cup").attributes, [place, *near])
 
     return [
         Scene(SAID[k % len(SAID)], [Candidate(f"cup-{i + 1}", cup()) for i in range(candidates)])
@@ -73,12 +76,18 @@ def scenes(candidates: int, count: int, seed: int) -> list[Scene]:
 
 
 def run_core_bench(count: int = SCENES, seed: int = 0) -> dict[str, Figure]:
-    """Return p50 and p99 in milliseconds of a decision with its question, and of an answer."""
+    """Return p50 and p99 in milliseconds of a decision with its question, and of an answer.
+
+    ``all_offered`` are the scenes in which only the class is said, so that the question is about
+    every candidate: the most work.
+    """
     figures: dict[str, Figure] = {}
     for size in SIZES:
         made = scenes(size, count + WARM_UP, seed)
-        times_ms = [_timed_ms(partial(_decide, one)) for one in made][WARM_UP:]
-        figures |= _quantiles(f"decide_{size}", times_ms)
+        times_ms = [_timed_ms(partial(_decide, one)) for one in made]
+        figures |= _quantiles(f"decide_{size}", times_ms[WARM_UP:])
+        whole = [t for t, one in zip(times_ms, made, strict=True) if one.said == SAID[0]]
+        figures |= _quantiles(f"decide_{size}_all_offered", whole[WARM_UP // len(SAID) :])
     answered = [_answer_ms(one) for one in scenes(SIZES[0], count + WARM_UP, seed + 1)][WARM_UP:]
     figures |= _quantiles(f"answer_{SIZES[0]}", [one for one in answered if one is not None])
     return {f"speed/dialogue/{name}": value for name, value in figures.items()}
@@ -160,23 +169,21 @@ def instructions(count: int) -> list[str]:
     return [said[(k * step) % len(said)] for k in range(count)]
 
 
-def decide_message_ms(replies: Sequence[tuple[InstructionGraph, Instances]]) -> list[float]:
+def core_times_ms(replies: Sequence[tuple[InstructionGraph, Instances]]) -> list[float]:
     """Return what the dialogue service's core takes from each instruction to its query.
 
     Args:
         replies: instructions as nlu understood them, with the map's reply to each.
     """
-    return list(_core_times(replies))
-
-
-def _core_times(replies: Sequence[tuple[InstructionGraph, Instances]]) -> Iterator[float]:
     core = Dialogue(DialogueSettings())
     episode = replies[0][1].episode if replies else ""
     core.exploration(Exploration(episode=episode, state="started"))
     core.exploration(Exploration(episode=episode, state="finished"))
-    for instruction, reply in replies:
-        heard_ms = _timed_ms(partial(core.instruction_graph, instruction))
-        yield heard_ms + _timed_ms(partial(core.instances, reply))
+    return [
+        _timed_ms(partial(core.instruction_graph, instruction))
+        + _timed_ms(partial(core.instances, reply))
+        for instruction, reply in replies
+    ]
 
 
 def _quantiles(name: str, times_ms: Sequence[float]) -> dict[str, Figure]:
