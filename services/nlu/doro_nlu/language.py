@@ -60,7 +60,7 @@ def not_english(tokens: Sequence[str], knows: Callable[[str], bool]) -> Reason |
         what = f"no word was found in '{shown}'" if shown else "the text is empty"
         return Reason(NO_WORD, f"{what}: say in English what to fetch or find")
     for word in words:
-        if not all(_is_latin(char) for char in word if char.isalpha()):
+        if not (word.isascii() or all(_is_latin(char) for char in word if char.isalpha())):
             return Reason(
                 LANGUAGE, f"'{plain(word[:40])}' is not written in Latin letters: say it in English"
             )
