@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import IO
 
 import click
@@ -13,7 +14,7 @@ from doro_schemas.bus import Bus
 from doro_schemas.errors import Refused
 from doro_schemas.messages import Query
 
-ENDED = ("cancelled", "turn_limit", "search_again")
+ENDED = ("cancelled", "turn_limit", "timed_out", "search_again")
 ANSWER_TIMEOUT_S = 10.0
 
 
@@ -30,6 +31,9 @@ def run_chat(bus: Bus, source: IO[str], wait_s: float) -> None:
         text = line.strip()
         if not text:
             continue
+        if open_query is not None:
+            bus.run_until(time.monotonic())
+            open_query = _latest(conversation, open_query)
         try:
             if open_query is None:
                 open_query = _instruct(conversation, text, wait_s)
@@ -39,6 +43,16 @@ def run_chat(bus: Bus, source: IO[str], wait_s: float) -> None:
             talk.print(refused.reason, markup=False)
             if "is finished" in refused.reason or "there is no dialogue" in refused.reason:
                 open_query = None
+
+
+def _latest(conversation: Conversation, query: Query) -> Query | None:
+    """Tell what became of a question meanwhile: revised by the map, or ended by silence."""
+    latest = next(
+        one for one in [*conversation.queries[::-1], query] if one.dialogue_id == query.dialogue_id
+    )
+    if latest.revision > query.revision:
+        click.echo(f'robot:  "{latest.text}"')
+    return None if latest.ended else latest
 
 
 def _instruct(conversation: Conversation, text: str, wait_s: float) -> Query | None:

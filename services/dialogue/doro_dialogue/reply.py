@@ -22,6 +22,8 @@ from doro_schemas.graph import ObjectGraph, Relation
 from doro_schemas.messages.talk import SeenFrom, State
 
 SORRY = "I could not tell from that. "
+DECLINED = "Then I have not found it. Should I look for something else?"
+TELL_ME = "Tell me what to look for, or where."
 
 
 class Said(msgspec.Struct, frozen=True):
@@ -115,7 +117,7 @@ def _several(scene: Scene, outcome: Outcome, manner: Manner) -> Said:
 
 def _missing(scene: Scene, outcome: Outcome, manner: Manner) -> Said:
     if outcome.graph is None:
-        return Said("Then I have not found it.", [], "INFORM-MISSING", "declined")
+        return Said(DECLINED, [], "INFORM-MISSING", "declined")
     graph = _named(scene, outcome.graph)
     decision = Decision(graph, "INFORM-MISSING", "missing", [], [])
     question = compose(decision, unseen_share=manner.unseen_share)
@@ -127,15 +129,26 @@ def _again(scene: Scene, outcome: Outcome, manner: Manner) -> Said:
     ids = outcome.about or scene.ids
     if len(ids) == 1 and outcome.about:
         return _offer(scene, ids[0], outcome.graph, manner)
-    note = "" if outcome.repeat or 0 < len(outcome.about) < len(scene.ids) else SORRY
+    note = _note(scene, outcome)
     if len(ids) < 2:
         parts = [Part(one.instance_ids, one.text, one.graph) for one in scene.groups]
-        text = note + scene.text.removeprefix(SORRY)
+        text = note + (scene.text.removeprefix(SORRY) if scene.groups or not note else TELL_ME)
         return Said(text, parts, scene.state, "ask_again")
     if outcome.sides and (row := _from_left(scene, ids, manner)) is not None:
         return row
     said = _which(scene, ids, manner, outcome.graph)
     return msgspec.structs.replace(said, text=note + said.text)
+
+
+def _note(scene: Scene, outcome: Outcome) -> str:
+    """Return what is said before a question is put again: why the answer did not decide it."""
+    about = outcome.about
+    if outcome.repeat or 0 < len(about) < len(scene.ids):
+        return ""
+    graph = outcome.graph if len(about) > 1 else None
+    if graph is not None and all(scene.verdict(graph, one) == "holds" for one in about):
+        return f"That is true of {'both' if len(about) == 2 else 'all of them'}. "
+    return SORRY
 
 
 def ask_about(scene: Scene, ids: Sequence[str], manner: Manner) -> Said:
