@@ -81,11 +81,14 @@ class Shell:
         *,
         late: bool = True,
         by_one: bool = False,
+        newest: bool = False,
     ) -> None:
         """Give every message of a type to a handler; see :meth:`Bus.subscribe` for ``late``.
 
         Args:
             by_one: several processes of the service may run; one of them handles the message.
+            newest: when slower than a live camera, take its newest frame; the others are counted
+                as ``dropped``. A replay, which waits, loses none.
         """
         topic = topic_of(kind)
         self._bus.subscribe(
@@ -93,6 +96,7 @@ class Shell:
             lambda message: self._timed(topic.name, handler, message),
             late=late,
             by_one=by_one,
+            newest=newest,
         )
 
     def answer(self, kind: type[M], handler: Callable[[M], Message]) -> None:

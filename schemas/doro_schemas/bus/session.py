@@ -135,6 +135,7 @@ class Bus:
         *,
         late: bool = True,
         by_one: bool = False,
+        newest: bool = False,
     ) -> None:
         """Receive a topic's validated messages.
 
@@ -143,6 +144,7 @@ class Bus:
             late: take the past samples that the table grants to late joiners.
             by_one: only the leading replica of the service handles them (see :class:`Replicas`);
                 the others count them as ``standby``.
+            newest: of samples that may be dropped only the newest waits; the table's queue else.
         """
         if by_one and self._replicas is None:
             self._replicas = Replicas(self.session, self.name)
@@ -159,7 +161,7 @@ class Bus:
             except Refused as refused:
                 self.reject(str(sample.key_expr), refused, size_bytes=len(payload))
 
-        self._subscribe(topic, handle, topic.late if late else 0)
+        self._subscribe(topic, handle, topic.late if late else 0, newest)
 
     def subscribe_raw(self, topic: Topic, handler: Callable[[RawSample], None]) -> None:
         """Receive a topic's samples as they come, past ones not included (for a recorder)."""
@@ -170,9 +172,11 @@ class Bus:
 
         self._subscribe(topic, handle, 0)
 
-    def _subscribe(self, topic: Topic, handle: Callable[[zenoh.Sample], None], late: int) -> None:
+    def _subscribe(
+        self, topic: Topic, handle: Callable[[zenoh.Sample], None], late: int, newest: bool = False
+    ) -> None:
         lane = Lane(
-            POLICIES[topic.delivery].queue,
+            1 if newest else POLICIES[topic.delivery].queue,
             handle,
             lambda: self.counters.update([f"dropped.{topic.name}"]),
         )

@@ -26,7 +26,7 @@ def wire(shell: Shell, settings: PerceptionSettings) -> None:
         if detector is not None:
             detector.warm_up()
         core = Perception(settings, detector, stages=stages)
-        shell.on(ColorFrame, core.color_frame)
+        shell.on(ColorFrame, core.color_frame, newest=True)
         if settings.relations == "depth":
             shell.on(DepthFrame, core.depth_frame)
     shell.counters(lambda: core.counters)
