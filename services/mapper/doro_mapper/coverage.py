@@ -9,6 +9,9 @@ from doro_mapper.views import NEAREST_M, THUMB_PX, Camera, Floats, raster_px, th
 
 SIDES = 8
 FIRST_SPAN = 64
+STRIDE = 3
+"""Every so manieth surface point counts for the squares; all count for the floor."""
+OFFSET = 1 << 20
 MAX_PATH = 1 << 14
 """Camera positions kept; when full, the older half is forgotten."""
 
@@ -81,7 +84,7 @@ class Coverage:
         self._remember(camera)
         if not len(points):
             return
-        squares = np.floor(points[:, :2] / self._square_m).astype(np.int64)
+        squares = np.floor(points[::STRIDE, :2] / self._square_m).astype(np.int64)
         self._add_squares(squares, camera.position_m)
         low = points[points[:, 2] < camera.position_m[2]]
         if len(low):
@@ -112,17 +115,16 @@ class Coverage:
 
     def _add_squares(self, squares: Ints, position_m: Floats) -> None:
         """Count the frame once for each square, and mark the side that it was seen from."""
+        packed = np.unique(((squares[:, 0] + OFFSET) << 32) | (squares[:, 1] + OFFSET))
+        squares = np.stack([(packed >> 32) - OFFSET, (packed & 0xFFFFFFFF) - OFFSET], axis=1)
         at = self._often.at(squares)
-        hit = np.zeros(self._often.values.shape, dtype=bool)
-        hit[at] = True
-        where = np.nonzero(hit)
         count = self._often.values
-        count[where] = np.minimum(count[where].astype(np.int64) + 1, 65_535)
+        count[at] = np.minimum(count[at].astype(np.int64) + 1, 65_535)
         side_of = self._sides.at(squares)
         middle = (squares + 0.5) * self._square_m - position_m[:2]
         sector = np.arctan2(middle[:, 1], middle[:, 0]) * (SIDES / (2 * np.pi))
         bit = 1 << (np.floor(sector).astype(np.int64) % SIDES)
-        np.bitwise_or.at(self._sides.values, side_of, bit.astype(np.uint8))
+        self._sides.values[side_of] |= bit.astype(np.uint8)
 
     def unseen_share(self) -> float:
         """Return the share of squares inside the bounds of all points seen that no point fell in.

@@ -1,7 +1,7 @@
 """Which tracks make up which thing, kept up to date frame by frame; ids that stay.
 
 A track's neighbourhood is looked at again when its geometry changed or its views grew by a
-tenth since the last time: often at first, then ever less, whatever the length of the run.
+seventh since the last time: often at first, then ever less, whatever the length of the run.
 """
 
 from __future__ import annotations
@@ -17,10 +17,12 @@ from doro_mapper.items import MERGE_RANGE_M, PRUNE_REACH_M, Item, item_of
 from doro_mapper.merging import MERGE_FAR_GATE, Cluster
 from doro_mapper.settings import MapperSettings
 from doro_mapper.table import Ints, TrackTable
-from doro_mapper.views import Bools, Views
+from doro_mapper.views import Bools, Floats, Views
 from doro_mapper.votes import Votes, merged
 
-GROWTH = 1.1
+GROWTH = 1.15
+MOVED_M = 0.02
+MOVED_SHARE = 0.05
 MAX_LOST = 256
 SMALL_M = 0.5
 """Larger things hide behind each other too much for misses alone to say that one has gone."""
@@ -60,7 +62,8 @@ class Groups:
         self._table = table
         self._votes = votes
         self._near: Bools = np.zeros((0, 0), dtype=bool)
-        self._placed: Ints = np.zeros(0, dtype=np.int64)
+        self._placed_m: Floats = np.zeros((0, 4))
+        self._head: list[str] = []
         self._judged_hits: Ints = np.zeros(0, dtype=np.int64)
         self._groups: dict[int, Group] = {}
         self._group_of: dict[int, int] = {}
@@ -69,20 +72,17 @@ class Groups:
         self._lost: dict[str, None] = {}
         self._cache: dict[int, Found] = {}
 
-    def loose(self, rows: Ints) -> Bools:
-        """Tell which rows stand for themselves alone and have no id."""
-        out = np.zeros(len(rows), dtype=bool)
-        for index, row in enumerate(rows.tolist()):
-            group = self._groups.get(self._group_of.get(row, -1))
-            alone = group is not None and len(group.item.rows) == 1 and not group.absorbed
-            out[index] = alone and row not in self._ids
-        return out
+    def is_loose(self, row: int) -> bool:
+        """Tell whether a row stands for itself alone and has no id."""
+        group = self._groups.get(self._group_of.get(row, -1))
+        alone = group is not None and len(group.item.rows) == 1 and not group.absorbed
+        return alone and row not in self._ids
 
     def update(self) -> None:
         """Take account of what the last frame changed."""
         self._grow()
         rows = self._table.rows
-        changed = rows[self._placed[rows] != self._table.version[rows]]
+        changed = self._moved(rows)
         grown = rows[self._table.hits[rows] >= GROWTH * self._judged_hits[rows]]
         grown = grown[self._table.hits[grown] != self._judged_hits[grown]]
         if len(changed):
@@ -101,22 +101,31 @@ class Groups:
             near = np.zeros((room, room), dtype=bool)
             near[: len(self._near), : len(self._near)] = self._near
             self._near = near
-            more = np.zeros(room - len(self._placed), dtype=np.int64)
-            self._placed = np.concatenate([self._placed, more])
-            self._judged_hits = np.concatenate([self._judged_hits, more])
+            more = room - len(self._placed_m)
+            self._placed_m = np.concatenate([self._placed_m, np.full((more, 4), np.inf)])
+            self._head += [""] * more
+            self._judged_hits = np.concatenate([self._judged_hits, np.zeros(more, np.int64)])
+
+    def _moved(self, rows: Ints) -> Ints:
+        """Return the rows that are elsewhere, or larger or smaller, than when last placed."""
+        size = self._table.size_m(rows)
+        now = np.column_stack([self._table.center_m[rows], size])
+        away = np.abs(now - self._placed_m[rows]).max(axis=1)
+        return np.asarray(rows[away > MOVED_M + MOVED_SHARE * size])
 
     def _place(self, changed: Ints, rows: Ints) -> None:
         """Find the neighbours of tracks whose geometry changed."""
         table = self._table
-        self._placed[changed] = table.version[changed]
         boxes, others = table.boxes(changed), table.boxes(rows)
         gaps = distance(boxes, others, np.full(len(changed), MERGE_RANGE_M))
         apart = np.linalg.norm(boxes.center_m[:, None] - others.center_m[None], axis=2)
         size, other = table.size_m(changed), table.size_m(rows)
+        self._placed_m[changed] = np.column_stack([boxes.center_m, size])
         reach = PRUNE_REACH_M + 2 * np.maximum(size[:, None], other[None])
-        heads = [family(self._votes[row].look()[0]) for row in rows.tolist()]
-        own = [family(self._votes[row].look()[0]) for row in changed.tolist()]
-        same = np.array([[a == b for b in heads] for a in own], dtype=bool)
+        for row in changed.tolist():
+            self._head[row] = family(self._votes[row].look()[0])
+        heads = np.array([self._head[row] for row in rows.tolist()])
+        same = heads[np.searchsorted(rows, changed), None] == heads[None]
         near = same & ((gaps < MERGE_FAR_GATE) | (apart <= reach))
         near &= changed[:, None] != rows[None]
         self._near[changed[:, None], rows] = near
@@ -169,7 +178,8 @@ class Groups:
     def drop(self, row: int) -> None:
         """Forget a track that is about to go; its group falls apart."""
         self._near[row] = self._near[:, row] = False
-        self._placed[row] = self._judged_hits[row] = 0
+        self._placed_m[row] = np.inf
+        self._judged_hits[row] = 0
         group = self._groups.pop(self._group_of.pop(row, -1), None)
         name = self._ids.pop(row, None)
         if name is not None:

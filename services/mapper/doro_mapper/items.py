@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from doro_mapper.boxes import Boxes, distance
-from doro_mapper.finder import NEVER, Look, attributes_agree, graph_factor, names_agree
+from doro_mapper.finder import Look, attributes_agree, graph_factor, names_agree
 from doro_mapper.table import TrackTable
 from doro_mapper.views import Bools, Floats
 from doro_mapper.votes import Votes
@@ -82,18 +82,21 @@ def strength(item: Item) -> float:
     return item.hits / (item.hits + missed + 2.0)
 
 
-def gaps_of(items: list[Item]) -> Floats:
-    """Return the symmetric distances (n, n), NEVER on and below the diagonal."""
-    boxes = Boxes(
+def gaps_between(items: list[Item], others: list[Item]) -> Floats:
+    """Return the symmetric distances (n, m); NEVER for what cannot be one thing."""
+    a, b = _boxes(items), _boxes(others)
+    there = distance(a, b, np.full(len(items), MERGE_RANGE_M))
+    back = distance(b, a, np.full(len(others), MERGE_RANGE_M)).T
+    factor = [[graph_factor(one.look, other.look) for other in others] for one in items]
+    return np.asarray(np.minimum(there, back) * np.array(factor))
+
+
+def _boxes(items: list[Item]) -> Boxes:
+    return Boxes(
         np.array([item.center_m for item in items]),
         np.array([item.low_m for item in items]),
         np.array([item.high_m for item in items]),
     )
-    gaps = distance(boxes, boxes, np.full(len(items), MERGE_RANGE_M))
-    factor = [[graph_factor(a.look, b.look) for b in items] for a in items]
-    gaps = np.minimum(gaps, gaps.T) * np.array(factor)
-    gaps[np.tril_indices(len(items))] = NEVER
-    return np.asarray(gaps)
 
 
 def one_above(a: Item, b: Item) -> bool:

@@ -17,7 +17,7 @@ from doro_mapper.items import (
     Item,
     Shape,
     agree,
-    gaps_of,
+    gaps_between,
     in_reach,
     item_of,
     one_above,
@@ -26,7 +26,7 @@ from doro_mapper.items import (
 from doro_mapper.robust import robust_geometry
 from doro_mapper.table import Ints, TrackTable
 from doro_mapper.views import Bools, Floats, Views
-from doro_mapper.votes import Votes, merged
+from doro_mapper.votes import Votes, merged_look
 
 MERGE_GATE = 0.8
 MERGE_FAR_GATE = 2.0
@@ -39,7 +39,7 @@ PRUNE_COVER = 0.5
 PRUNE_RATIO = 3.0
 EXPLAIN_COVER = 0.5
 EXPLAIN_RATIO = 4.0
-MERGED_KEPT = 96
+MERGED_KEPT = 64
 CORNER_HITS, CORNER_SHARE = 3, 0.1
 CORNER_CUT = 0.5
 
@@ -58,38 +58,38 @@ class Cluster:
 
     def merge(self) -> None:
         """Merge the closest items first, until nothing more may be merged."""
-        refused: set[tuple[int, int]] = set()
-        while (pair := self._next_pair(refused)) is not None:
-            larger, smaller, measured = pair
-            self.items = [item for item in self.items if item is not smaller]
-            position = self.items.index(larger)
-            joined = self._joined(larger, smaller, measured)
-            refused = {key for key in refused if id(larger) not in key and id(smaller) not in key}
-            self.items[position] = joined
-
-    def _next_pair(self, refused: set[tuple[int, int]]) -> tuple[Item, Item, bool] | None:
-        """Return the closest pair that may be merged, and whether its geometry is shared."""
         items = self.items
-        n = len(items)
-        if n < 2:
-            return None
-        gaps = gaps_of(items)
+        gaps = gaps_between(items, items)
         seen = np.array([item.seen for item in items], dtype=np.float32)
-        together = seen @ seen.T
-        for flat in np.argsort(gaps, axis=None, kind="stable").tolist():
-            i, j = divmod(flat, n)
-            if gaps[i, j] >= NEVER / 2:
-                return None
-            larger, smaller = items[i], items[j]
-            if smaller.hits > larger.hits:
-                larger, smaller = smaller, larger
-            key = (id(larger), id(smaller))
-            if key in refused:
-                continue
-            decision = self._may_merge(larger, smaller, float(gaps[i, j]), int(together[i, j]))
+        together: Floats = (seen @ seen.T).astype(np.float64)
+        refused = np.zeros((len(items), len(items)), dtype=bool)
+        merged_away = np.zeros(len(items), dtype=bool)
+        while (pair := self._next_pair(gaps, together, refused)) is not None:
+            i, j, measured = pair
+            items[i] = self._joined(items[i], items[j], measured)
+            gaps[i] = gaps[:, i] = gaps_between([items[i]], items)[0]
+            seen[i] = items[i].seen
+            together[i] = together[:, i] = seen @ seen[i]
+            refused[i] = refused[:, i] = False
+            merged_away[j] = True
+            gaps[merged_away] = gaps[:, merged_away] = NEVER
+        self.items = [items[k] for k in np.flatnonzero(~merged_away)]
+
+    def _next_pair(
+        self, gaps: Floats, together: Floats, refused: Bools
+    ) -> tuple[int, int, bool] | None:
+        """Return the closest pair that may be merged, larger first, and whether its geometry is
+        shared; mark what may not be."""
+        first, second = np.nonzero(np.triu(~refused & (gaps < NEVER / 2), 1))
+        for k in np.argsort(gaps[first, second], kind="stable").tolist():
+            i, j = int(first[k]), int(second[k])
+            if self.items[j].hits > self.items[i].hits:
+                i, j = j, i
+            pair = self.items[i], self.items[j]
+            decision = self._may_merge(*pair, float(gaps[i, j]), int(together[i, j]))
             if decision is not None:
-                return larger, smaller, decision
-            refused.add(key)
+                return i, j, decision
+            refused[i, j] = refused[j, i] = True
         return None
 
     def _may_merge(self, larger: Item, smaller: Item, gap: float, together: int) -> bool | None:
@@ -145,7 +145,7 @@ class Cluster:
         return Item(
             [*shaping, *added, *rest],
             len(shaping) + len(added),
-            merged([self._votes[row] for row in larger.rows + smaller.rows]).look(),
+            merged_look([self._votes[row] for row in larger.rows + smaller.rows]),
             larger.seen | smaller.seen,
             larger.expected | smaller.expected if measured else larger.expected,
             larger.hits + smaller.hits,

@@ -161,10 +161,10 @@ class TrackFinder:
         rows = table.rows
         hits, misses = table.hits[rows], table.misses[rows]
         hopeless = (hits < HOPELESS_SHARE * (hits + misses)) & (misses >= HOPELESS_VIEWS)
-        hopeless &= self._groups.loose(rows)
-        for row in rows[hopeless].tolist():
+        dropped = [row for row in rows[hopeless].tolist() if self._groups.is_loose(row)]
+        for row in dropped:
             self._drop(row)
-        over = len(rows) - int(hopeless.sum()) - self._settings.max_tracks
+        over = len(rows) - len(dropped) - self._settings.max_tracks
         if over > 0:
             rows = table.rows
             value = table.hits[rows] / (table.hits[rows] + table.misses[rows] + 2.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import bisect
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -11,7 +12,7 @@ from doro_schemas.messages import Evidence
 from doro_schemas.vocabulary import name_satisfies
 
 NAME_SHARE = 0.25
-MOST_EVIDENCE = 16
+MOST_EVIDENCE = 8
 MOST_VALUES = 32
 """Values kept per attribute, classes per thing, relations per thing; the weakest goes first."""
 
@@ -73,8 +74,7 @@ class Votes:
 
     def _show(self, shown: Shown) -> None:
         if len(self.evidence) < MOST_EVIDENCE or shown[:2] < self.evidence[-1][:2]:
-            self.evidence.append(shown)
-            self.evidence.sort(key=lambda one: one[:2])
+            bisect.insort(self.evidence, shown, key=_strongest)
             del self.evidence[MOST_EVIDENCE:]
 
     def take(self, other: Votes) -> None:
@@ -110,6 +110,22 @@ class Votes:
         """Return the fused class distribution, most probable first."""
         total = sum(self.names.values())
         return [(name, self.names[name] / total) for name in ranked(self.names)]
+
+
+def _strongest(shown: Shown) -> tuple[float, int]:
+    return shown[:2]
+
+
+def merged_look(parts: list[Votes]) -> tuple[str, dict[str, str]]:
+    """Return what several tracks together look like."""
+    out = Votes()
+    for part in parts:
+        for name, weight in part.names.items():
+            _count(out.names, name, weight)
+        for kind, values in part.attributes.items():
+            for value, weight in values.items():
+                _count(out.attributes.setdefault(kind, {}), value, weight)
+    return out.look()
 
 
 def merged(parts: Iterable[Votes]) -> Votes:
