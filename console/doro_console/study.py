@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
 from doro_console.options import says_refusals, talk
+from doro_schemas.errors import Refused
 
 FILE = click.Path(path_type=Path, dir_okay=False)
 FOLDER = click.Path(path_type=Path, file_okay=False, exists=True)
@@ -62,6 +63,8 @@ def make(
     from doro_nlu.core import Nlu
     from doro_nlu.settings import NluSettings
 
+    if out.suffix.lower() not in (".html", ".htm"):
+        raise Refused(f"{out} must end in .html: its key goes beside it as {out.stem}.json")
     given = read_queries(queries)
     names = check_systems(systems.split(","), given)
     nlu = Nlu(NluSettings())
@@ -77,9 +80,12 @@ def make(
             checks=checks,
             done=lambda name: progress.update(task, advance=1, description=name),
         )
-    out.parent.mkdir(parents=True, exist_ok=True)
-    write_key(key_path(out), made)
-    out.write_text(page, encoding="utf-8")
+    try:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        write_key(key_path(out), made)
+        out.write_text(page, encoding="utf-8")
+    except OSError as error:
+        raise Refused(f"{out} cannot be written: {error.strerror}") from error
     texts = sum(len(item.units) for item in made.items)
     talk.print(
         f"{out}: {len(made.items)} scenes, {texts} different queries of {len(names)} systems,"

@@ -231,3 +231,10 @@ def test_a_queries_file_that_does_not_fit_and_unknown_systems_are_refused(tmp_pa
         read_queries([path])
     with pytest.raises(Refused, match="there is no system 'theirs'"):
         check_systems(["theirs"], {})
+
+
+def test_a_page_that_would_be_its_own_key_is_refused(tmp_path: Path) -> None:
+    arguments = ["study", "make", "--recording", str(SAMPLE), "--out", str(tmp_path / "s.json")]
+    done = CliRunner().invoke(main, arguments)
+    assert done.exit_code == 1
+    assert not list(tmp_path.iterdir())
