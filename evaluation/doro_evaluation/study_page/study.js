@@ -233,7 +233,7 @@ function next() {
   const buttons = [button(state.at + 1 === pages.length ? "Finish" : "Next", go, true)];
   if (state.at > 0) buttons.push(button("Back", back));
   const form = make("form", { onsubmit: (event) => { event.preventDefault(); go(); } }, ...view.body, error, make("div", { className: "bar" }, ...buttons));
-  form.addEventListener("change", () => { state.given[key] = view.read(); save(); });
+  form.addEventListener("input", () => { state.given[key] = view.read(); save(); });
   show(view.title, form);
   say(`Page ${state.at + 1} of ${pages.length}`);
 }
