@@ -106,6 +106,8 @@ class Sentence:
         before = self.words[max(0, span.start - 2) : span.start]
         while before and before[-1] in DETERMINERS:
             before.pop()
+        if before and before[-1] == "but":  # "any cup but the red one"; not "not red but blue"
+            return not any(word in NEGATORS for word in self.words[: span.start])
         return bool(before) and (before[-1] in NEGATORS or before[-1] == "non")
 
     def _place_of(self, index: int) -> tuple[int, int] | None:

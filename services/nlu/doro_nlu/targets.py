@@ -29,6 +29,7 @@ _LOOK_BACK = 5
 _LONGEST_PHRASE = 5
 _BEFORE_COMPANION = frozenset([",", "that", "which", "is", "are", "'s", "that's", "filled"])
 _ALSO = (["along", "with"], ["together", "with"], ["as", "well"])
+_EXCLUDING = (["instead", "of"], ["rather", "than"])
 _SEQUENCE = frozenset(["and", ",", ";", ".", "then", "also", "next", "&"])
 
 
@@ -50,7 +51,7 @@ def settle(words: Sequence[str], spans: Sequence[Span]) -> Settled | None:
         words: the tokens in lower case.
         spans: the tagger's spans in order.
     """
-    spans = [_without_question(words, span) for span in spans]
+    spans = [_without_question(words, span) for span in _without_excluded(words, spans)]
     objects = [span for span in spans if span.kind == OBJECT and _names_a_thing(span.text)]
     if not objects:
         return None
@@ -61,13 +62,35 @@ def settle(words: Sequence[str], spans: Sequence[Span]) -> Settled | None:
         other = span.kind == OBJECT and span is not root and has_letter(span.text)
         landmark = other and _is_landmark(words, spans, settled, root, span)
         settled.append(span._replace(kind=RELATED) if landmark else span)
-    second = _second_by_joint(words, settled, root) or _second_by_verb(words, settled, root)
+    second = (
+        _second_by_joint(words, settled, root)
+        or _second_by_verb(words, settled, root)
+        or _second_by_one(words, settled, root)
+    )
     return Settled(root, settled, second)
 
 
 def has_letter(text: str) -> bool:
     """Tell whether a text can name something."""
     return any(char.isalpha() for char in text)
+
+
+def _without_excluded(words: Sequence[str], spans: Sequence[Span]) -> list[Span]:
+    """Return the spans without those after "instead of" and "rather than", to the clause's end."""
+    barred: set[int] = set()
+    for at in range(len(words) - 1):
+        if list(words[at : at + 2]) in _EXCLUDING:
+            end = at + 2
+            while end < len(words) and words[end].isalnum() and words[end] not in FETCH_VERBS:
+                end += 1
+            barred.update(range(at, end))
+    kept = []
+    for span in spans:
+        inside = next((at for at in range(span.start, span.end) if at in barred), span.end)
+        if inside > span.start:
+            text = " ".join(words[span.start : inside])
+            kept.append(span if inside == span.end else span._replace(end=inside, text=text))
+    return kept
 
 
 def _without_question(words: Sequence[str], span: Span) -> Span:
@@ -88,7 +111,7 @@ def is_negated(words: Sequence[str], start: int) -> bool:
     for at in range(start - 1, max(-1, start - 1 - _LOOK_BACK), -1):
         if words[at] in (BREAKERS - {"not"}) | JOINTS:
             return False
-        if words[at] in NEGATORS or words[at : at + 2] in (["rather", "than"], ["instead", "of"]):
+        if words[at] in NEGATORS:
             return True
     return False
 
@@ -201,6 +224,20 @@ def _second_by_verb(words: Sequence[str], spans: Sequence[Span], root: Span) -> 
             noun = _phrase_at(words, spans, start, any_noun=also)
             if noun and not _mentions(words[start : start + _LONGEST_PHRASE], noun, root):
                 return noun
+    return ""
+
+
+def _second_by_one(words: Sequence[str], spans: Sequence[Span], root: Span) -> str:
+    """Return another thing of the same kind: "the red cup and the blue one"."""
+    own = [span.kind for span in spans if _is_value(span) and 0 < root.start - span.end + 1 <= 3]
+    for span in spans:
+        start = span.start - 1
+        while start > root.end and words[start] in DETERMINERS:
+            start -= 1
+        joined = span.start > root.end and words[start] in ("and", "or") and start < span.start - 1
+        one = words[span.end : span.end + 1] in (["one"], ["ones"])
+        if joined and one and _is_value(span) and span.kind in own:
+            return f"{span.text} one"
     return ""
 
 
