@@ -32,6 +32,31 @@ def test_a_record_comes_back_as_plain_json():
     assert result["text"].endswith("I will take the red cup.")
 
 
+def test_every_wording_on_request():
+    result = decide_record(record(RED, BLUE, said={}), wordings=True)
+    assert result["text"] in result["wordings"]
+    assert len(set(result["wordings"])) == len(result["wordings"]) == 4
+    assert all(one.startswith("I found one red cup, and one blue") for one in result["wordings"])
+
+
+def test_readings_come_with_the_record():
+    near = [{"type": "is-near", "target": {"name": "sink"}}]
+    on = {"type": "is-on", "target": {"name": "table"}}
+    nested = {"type": "is-on", "target": {"name": "table", "relations": near}}
+    graphs = [{"name": "cup", "relations": one} for one in ([nested], [on, *near])]
+    both = {
+        "id": "r",
+        "graph": graphs[0],
+        "readings": graphs[1:],
+        "instances": [{"id": i, "graph": one} for i, one in enumerate(graphs)],
+    }
+    result = decide_record(both)
+    assert (result["state"], result["reason"]) == ("INFORM-AMBIGUITY", "readings")
+    assert result["matches"] == [0, 1]
+    assert "the cup near the sink, or is the table near the sink?" in result["text"]
+    assert decide_record(both, paper_literal=True)["reason"] == "mismatch"
+
+
 def test_numbers_as_ids_come_back_as_numbers():
     one = {"id": 7, "graph": {"name": "cup"}}
     result = decide_record({"id": 3, "graph": {"name": "cup"}, "instances": [one]})

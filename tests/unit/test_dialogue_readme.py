@@ -53,8 +53,7 @@ def test_every_setting_is_described_with_its_default():
     fields = {field.name: field.default for field in msgspec.structs.fields(DialogueSettings)}
     assert set(told) == set(fields)
     for name, default in fields.items():
-        text = {"": "empty", False: "false"}.get(default, f"{default:g}") if default != 0 else "0"
-        text = "false" if default is False else text
+        text = {"": "empty", "False": "false"}.get(str(default), str(default).removesuffix(".0"))
         assert told[name] == text, name
 
 
