@@ -29,6 +29,7 @@ INVERSE = [
      "cup(is-at table(is-on^ lamp))"),
     ("the {O cup} {P on} the {R counter} with the {R knife} {A in} it",
      "cup(is-on counter top)(is-at^ knife)"),
+    ("pick the {O cup} up with the {R spoon} {A in} it", "cup(is-at^ spoon)"),
     ("cut the {O bread} with the {R knife}", "bread"),
     ("turn on the {O lamp} while holding the {R box}", "lamp"),
     ("the {O tray} that has a {O sponge} {P on} it", "tray(is-on^ sponge)"),

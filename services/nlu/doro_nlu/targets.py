@@ -27,7 +27,9 @@ from doro_nlu.words import (
 _NEAR = "is-near"
 _LOOK_BACK = 5
 _LONGEST_PHRASE = 5
-_BEFORE_COMPANION = frozenset([",", "that", "which", "is", "are", "'s", "that's", "filled"])
+_BEFORE_COMPANION = frozenset(
+    [",", "that", "which", "is", "are", "'s", "that's", "filled", "up", "out"]
+)
 _ALSO = (["along", "with"], ["together", "with"], ["as", "well"])
 _EXCLUDING = (["instead", "of"], ["rather", "than"])
 _SEQUENCE = frozenset(["and", ",", ";", ".", "then", "also", "next", "&"])
