@@ -71,13 +71,13 @@ class Blocks:
         self._fresh = n
         if len(new):
             self._look_back(new, views, slot)
-        near = np.flatnonzero(
-            np.abs(self._center_m[:n, :2] - views.position_m(serial)[:2]).max(axis=1) < SIGHT_M
-        )
+        away = self._center_m[:n, :2] - views.position_m(serial)[:2]
+        near = np.flatnonzero((away * away).sum(axis=1) < SIGHT_M**2)
         visible, _, _ = views.look_at(self._center_m[near, None], slot, np.full(len(near), SLACK_M))
-        seen = np.union1d(near[visible[:, 0]], hit)
-        self.count[seen] += 1
-        return seen
+        mask = np.zeros(n, dtype=bool)
+        mask[near[visible[:, 0]]] = mask[hit] = True
+        self.count[:n] += mask
+        return np.flatnonzero(mask)
 
     def _look_back(self, new: Ints, views: Views, slot: int) -> None:
         """Count for new blocks the earlier views kept."""

@@ -5,12 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from doro_mapper.views import NEAREST_M, THUMB_PX, Camera, Floats, raster_px, thumbnail
+from doro_mapper.views import NEAREST_M, Camera, Floats, raster_px, thumbnail
 
 SIDES = 8
 FIRST_SPAN = 64
-STRIDE = 3
-"""Every so manieth surface point counts for the squares; all count for the floor."""
 OFFSET = 1 << 20
 MAX_PATH = 1 << 14
 """Camera positions kept; when full, the older half is forgotten."""
@@ -84,7 +82,7 @@ class Coverage:
         self._remember(camera)
         if not len(points):
             return
-        squares = np.floor(points[::STRIDE, :2] / self._square_m).astype(np.int64)
+        squares = np.floor(points[:, :2] / self._square_m).astype(np.int64)
         self._add_squares(squares, camera.position_m)
         low = points[points[:, 2] < camera.position_m[2]]
         if len(low):
@@ -102,13 +100,13 @@ class Coverage:
         self._frames += 1
 
     def _points(self, depth_m: NDArray[np.float32], camera: Camera) -> Floats:
-        """Return the thumbnail's surface points, (n, 3)."""
-        depth = thumbnail(depth_m).astype(np.float64)
-        rows, columns = raster_px(*depth_m.shape)
+        """Return surface points on every other row and column of the thumbnail, (n, 3)."""
+        depth = thumbnail(depth_m)[::2, ::2].astype(np.float64)
+        rows, columns = (pixels[::2] for pixels in raster_px(*depth_m.shape))
         lens = camera.intrinsics
         good = (depth > NEAREST_M) & (depth < self._max_depth_m)
         z = depth[good]
-        x = np.broadcast_to((columns + 0.5 - lens.cx) / lens.fx, (THUMB_PX, THUMB_PX))[good] * z
+        x = np.broadcast_to((columns + 0.5 - lens.cx) / lens.fx, good.shape)[good] * z
         y = np.broadcast_to(((rows + 0.5 - lens.cy) / lens.fy)[:, None], good.shape)[good] * z
         points: Floats = np.stack([x, y, z], axis=1) @ camera.rotation + camera.position_m
         return points

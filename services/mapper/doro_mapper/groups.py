@@ -1,7 +1,7 @@
 """Which tracks make up which thing, kept up to date frame by frame; ids that stay.
 
 A track's neighbourhood is looked at again when its geometry changed or its views grew by a
-seventh since the last time: often at first, then ever less, whatever the length of the run.
+quarter since the last time: often at first, then ever less, whatever the length of the run.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from doro_mapper.table import Ints, TrackTable
 from doro_mapper.views import Bools, Floats, Views
 from doro_mapper.votes import Votes, merged
 
-GROWTH = 1.15
+GROWTH = 1.25
 MOVED_M = 0.02
 MOVED_SHARE = 0.05
 MAX_LOST = 256
