@@ -29,11 +29,13 @@ def parse_record(nlu: Nlu, record: Record, *, caption: bool, labels: bool = Fals
     """
     name, text = record.get("id"), record.get("text")
     if not isinstance(text, str):
-        return {"id": name, "graph": None, "reason": "the record has no text"}
+        reason = "the record has no text"
+        return {"id": name, "graph": None, "reason": reason, "reason_kind": "refused"}
     try:
         parsed = nlu.parse_text(text, caption=caption)
     except Refused as refused:
-        return {"id": name, "graph": None, "reason": refused.reason}
+        reason = refused.reason
+        return {"id": name, "graph": None, "reason": reason, "reason_kind": "refused"}
     return _parsed_record(name, parsed, labels=labels)
 
 
