@@ -57,6 +57,10 @@ class Dialogue:
     def snapshot(self) -> bytes:
         """Return all that :meth:`restore` needs; msgpack, see :class:`State`."""
         places = {id(talk): i for i, talk in enumerate(self._state.talks)}
+        for talk in self._state.talks:
+            if talk.ended:
+                # Nothing will be held against them any more.
+                talk.reply = talk.decided = None
         self._state.answers = [(places[id(talk)], one) for talk, one in self._turns.waiting()]
         self._state.spoken, self._state.latest = self._speaker.spoken, self._repeats.latest
         return msgspec.msgpack.encode(self._state)
