@@ -7,6 +7,7 @@ from pathlib import Path
 
 import msgspec
 import numpy as np
+from numpy.typing import NDArray
 
 from doro_nlu.decode import Decoder
 from doro_nlu.onnx_files import MODEL_FILE, VOCABULARY_FILE, Tagged, load_session, read_vocabulary
@@ -15,6 +16,10 @@ from doro_schemas.errors import Refused
 
 _INPUTS = {"pieces", "mask"}
 _KNOWN_WORDS = 50_000
+_SLACK = 2
+"""Pieces that sentences of one batch may differ by: padding costs as much as words."""
+_BATCH = 32
+Scores = NDArray[np.float32]
 
 
 class Pieces(msgspec.Struct, frozen=True):
@@ -76,19 +81,33 @@ class EncoderTagger:
         return word.lower() in self._pieces
 
     def tag(self, sentences: Sequence[Sequence[str]]) -> list[Tagged]:
-        """Return the tagged sentences in their order.
+        """Return the tagged sentences in their order; those of like length run at once.
 
-        Each one is run by itself: int8 activations of a batch share one scale, so that a batch
-        would make a label depend on the other sentences of it.
+        The scales of the int8 activations are fixed, so that a sentence has the same labels in
+        any batch.
         """
-        return [self._run(tokens) if tokens else Tagged([], [], []) for tokens in sentences]
+        split = [[self._ids(token) for token in tokens] for tokens in sentences]
+        lengths = [sum(len(ids) for ids in words) for words in split]
+        order = sorted((at for at, words in enumerate(split) if words), key=lengths.__getitem__)
+        found = [Tagged([], [], []) for _ in sentences]
+        while order:
+            first = lengths[order[0]]
+            size = next((n for n, at in enumerate(order) if lengths[at] > first + _SLACK), None)
+            batch, order = order[:size][:_BATCH], order[min(size or _BATCH, _BATCH) :]
+            scores = self._scores([split[at] for at in batch])
+            for at, logits in zip(batch, scores, strict=True):
+                found[at] = Tagged(list(sentences[at]), *self._decoder.decode(logits))
+        return found
 
-    def _run(self, tokens: Sequence[str]) -> Tagged:
-        rows, _ = rows_of([[self._ids(token) for token in tokens]])
+    def _scores(self, split: Sequence[Sequence[Sequence[int]]]) -> list[Scores]:
+        """Return the logits (t, labels) of sentences given as pieces per word."""
+        rows, owners = rows_of(split)
         feed = {"pieces": rows.pieces, "mask": rows.mask}
         logits = np.asarray(self._session.run(None, feed)[0], np.float32)
-        scores = [logits[row, firsts] for row, firsts in enumerate(rows.firsts)]
-        return Tagged(list(tokens), *self._decoder.decode(np.concatenate(scores)))
+        parts: list[list[Scores]] = [[] for _ in split]
+        for row, (owner, firsts) in enumerate(zip(owners, rows.firsts, strict=True)):
+            parts[owner].append(logits[row, firsts])
+        return [np.concatenate(part) if len(part) > 1 else part[0] for part in parts]
 
     def _ids(self, word: str) -> list[int]:
         """Return a word's pieces; words repeat, so they are kept up to a bound."""

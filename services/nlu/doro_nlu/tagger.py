@@ -122,11 +122,17 @@ def load_tagger(directory: Path | None = None, name: str = "bilstm") -> Tagger:
 
     Args:
         directory: holds ``model.onnx`` and ``vocabulary.json``; None = shipped.
-        name: of the shipped ones: ``bilstm`` or ``default`` (the encoder).
+        name: of the shipped ones: ``bilstm`` or ``default`` (the encoder); ``bert-base`` is run
+            from its directory only.
 
     Raises:
         Refused: unknown name, or the model cannot be loaded.
     """
+    if directory is None and name == "bert-base":
+        raise Refused(
+            "the tagger bert-base is not shipped (440 MB): train it as models/bert_base/README.md"
+            " says and set nlu.model_dir to its directory"
+        )
     if directory is None and name not in SHIPPED:
         raise Refused(f"no tagger is called '{name}': set nlu.tagger to {' or '.join(SHIPPED)}")
     directory = SHIPPED[name] if directory is None else directory

@@ -8,7 +8,7 @@ def lines(text: str) -> tuple[str, ...]:
 
 
 WORDS: dict[str, tuple[str, ...]] = {
-    "lead": lines("""take|lead|guide|bring|walk|direct|point|navigate|show|drive"""),
+    "lead": lines("""take|lead|guide|bring|walk|direct|navigate|drive|accompany|escort"""),
     "onoff": lines("""on|off|on|off|up|down|over|around"""),
     "inspect": lines("""examine|look at|inspect|check|read|hold|see|view|take|study|find"""),
     "light": lines(

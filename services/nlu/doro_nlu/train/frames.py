@@ -65,7 +65,7 @@ my <onlyobj> is <rel>, <tail><end>
 <pol> <verb> <ref> for <person><end>
 <pol> search <front> for <obj><end>
 check <front> for <obj><end>
-<lead> me to <obj> <rel><end>
+<lead> me to <plain> <notrel><end>
 i <need> <ref><end>
 <pol> <need> <ref> from <rel:A><end>
 <verb> <several><end>

@@ -127,11 +127,6 @@ see if you can find <ref>
 go find <ref>
 go and find <ref> for <person>
 go get <ref>
-i want to go to <ref> , lead the way
-show us the way to <ref>
-guide <person> over to <ref>
-how do i get to <ref> ?
-accompany <person> to <obj> <rel>
 try to find <ref> before you <go>
 help me find <ref>
 show <person> where <ref> is

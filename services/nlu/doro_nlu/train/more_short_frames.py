@@ -81,10 +81,18 @@ not <xcol> but <col>
 i don't like the <xcol> one , give me the <col> one
 forget the <xcol> one . the <mat> one is right
 please not that <xcol> thing , i want the <col> one
+not the one <notrel> , the one <rel>
+not that , <ref>
+<no> not that one but the <mat> one
+no , not there , <rel>
 <col> with <wpart>
 """.strip().splitlines())  # fmt: skip
 
 NOTHING = tuple("""
+take him to <plain>
+please guide <person> to <plain>
+show us the way to <plain> and wait <dest>
+walk with her to <plain>
 <go> , <go> , <go>
 <go> . <go> .
 <go> until you reach <plain>
