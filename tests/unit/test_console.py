@@ -34,7 +34,8 @@ def test_parse_lines(nlu: Nlu) -> None:
     assert answers[0]["graph"] == {"name": "cup", "attributes": {"color": "red"}, "relations": []}
     assert answers[1] == {"id": None, "error": "line 3 is no JSON object"}
     assert answers[2] == {"id": None, "error": "line 4 is no JSON object"}
-    assert answers[3] == {"id": 4, "graph": None, "reason": "the record has no text"}
+    no_text = {"graph": None, "reason": "the record has no text", "reason_kind": "refused"}
+    assert answers[3] == {"id": 4, **no_text}
     assert answers[4]["graph"] is None
     assert answers[4]["reason"]
 
