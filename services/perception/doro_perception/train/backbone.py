@@ -28,6 +28,10 @@ def read_weights(path: Path) -> Weights:
     """Return (weight, bias) of each convolution by layer name, what follows it folded in."""
     graph = onnx.load(str(path)).graph
     values = {item.name: numpy_helper.to_array(item) for item in graph.initializer}
+    # A halved file (see halve.py) casts its constants back.
+    for node in graph.node:
+        if node.op_type == "Cast" and node.input[0] in values:
+            values[node.output[0]] = values[node.input[0]].astype(np.float32)
     users: dict[str, list[Any]] = {}
     for node in graph.node:
         for name in node.input:
