@@ -43,7 +43,7 @@ class PlannerSettings(msgspec.Struct, frozen=True, kw_only=True):
     unclear: float = 0.1
     asked: float = 3.0
     travel_per_m: float = 0.1
-    least_gain: float = 0.05
+    least_gain: float = 0.2
     budget: int = 96
     max_views: int = 4096
     radius_m: float = 0.2
