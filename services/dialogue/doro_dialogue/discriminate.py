@@ -9,33 +9,31 @@ of facts: color, material, other attributes, is-on, is-at, is-near, other relati
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
-from functools import lru_cache
-from itertools import combinations
 
 import msgspec
 
 from doro_dialogue.facts import (
-    IS_AT,
-    IS_ON,
-    WORDS_CACHED,
-    Attribute,
     Candidate,
     Fact,
     facts_of,
     graph_key,
     graph_with,
     name_of,
-    rank,
     value_of,
 )
-from doro_dialogue.matching import broader_values
-from doro_schemas.graph import ObjectGraph, Relation
+from doro_dialogue.variants import (
+    Key,
+    Variant,
+    bare_variants,
+    broader_names,
+    described_variants,
+)
+from doro_schemas.graph import ObjectGraph
 
 MAX_OPTIONS = 16
 PIVOTS_TRIED = 6
-Key = tuple[object, ...]
-_INVERSE = " inverse"
 
 
 class Group(msgspec.Struct, frozen=True):
@@ -55,7 +53,7 @@ class Group(msgspec.Struct, frozen=True):
     other: bool = False
 
 
-class _Option(msgspec.Struct, frozen=True):
+class _Option(msgspec.Struct, frozen=True, gc=False):
     """A fact to choose, with bit masks over the groups.
 
     Attributes:
@@ -64,7 +62,7 @@ class _Option(msgspec.Struct, frozen=True):
         known: groups of which something of its type is observed that could contradict it.
     """
 
-    fact: Fact
+    variant: Variant
     size: int
     order: tuple[int, int]
     same: int
@@ -79,18 +77,30 @@ def discriminate(candidates: Sequence[Candidate]) -> list[Group]:
     index = _Index(graphs)
     groups = []
     for i, members in enumerate(twins):
-        facts, other = index.smallest(i)
+        facts, other = index.single(i), False
+        if facts is None:
+            facts, other = index.smallest(i)
         graph = graph_with(graphs[i].name, facts)
         groups.append(Group([one.id for one in members], graph, graphs[i], other))
     return sorted(groups, key=_order)
 
 
 def twins_of(candidates: Sequence[Candidate]) -> list[list[Candidate]]:
-    """Return the candidates by what is known of them; several together are twins."""
+    """Return the candidates by what is known of them; several together are twins.
+
+    Landmarks are compared only where all else is equal.
+    """
+    own = [_own_key(one.graph) for one in candidates]
+    counts = Counter(own)
     twins: dict[Key, list[Candidate]] = {}
-    for candidate in candidates:
-        twins.setdefault(graph_key(candidate.graph), []).append(candidate)
+    for key, one in zip(own, candidates, strict=True):
+        twins.setdefault(key if counts[key] == 1 else graph_key(one.graph), []).append(one)
     return list(twins.values())
+
+
+def _own_key(graph: ObjectGraph) -> Key:
+    own = sorted([(key, value_of(value)) for key, value in graph.attributes.items()])
+    return (name_of(graph.name), tuple(own))
 
 
 def _order(group: Group) -> tuple[bool, int]:
@@ -107,25 +117,61 @@ class _Index:
         self._true: dict[Key, int] = {}
         self._known: dict[str, int] = {}
         self._names = [name_of(graph.name) for graph in graphs]
-        self._facts = [
-            [(fact, size, _key(fact)) for fact, size in _variants(graph)] for graph in graphs
-        ]
+        self._facts = [list(bare_variants(graph)) for graph in graphs]
+        self._described = False
         for i, (name, facts) in enumerate(zip(self._names, self._facts, strict=True)):
             bit = 1 << i
-            self._add(("name", name), [("name", n) for n in _broader_names(name)], bit)
-            for fact, _, key in facts:
-                self._add(key, _implied(fact, key), bit)
-                # Being near one thing excludes no other: nothing there contradicts.
-                if isinstance(fact, Attribute) or fact.type in (IS_ON, IS_AT):
-                    self._known[fact.type] = self._known.get(fact.type, 0) | bit
+            self._add(("name", name), [("name", n) for n in broader_names(name)], bit)
+            for one in facts:
+                self._add(one.key, one.implied, bit)
+                if one.excludes:
+                    kind = one.source.type
+                    self._known[kind] = self._known.get(kind, 0) | bit
+
+    def _describe(self) -> None:
+        """Add what landmarks look like; most groups are set apart without.
+
+        A relation that holds of no other group, in broader words either, gains nothing by it.
+        """
+        for i, bare in enumerate(self._facts):
+            own = 1 << i
+            shared = [one for one in bare if self._shared(one, own)]
+            for more in (more for one in shared for more in described_variants(one)):
+                bare.append(more)
+                self._add(more.key, more.implied, own)
+        self._described = True
+
+    def _shared(self, one: Variant, own: int) -> bool:
+        return self._true[one.key] != own or any(self._true[key] != own for key in one.implied)
 
     def _add(self, key: Key, implied: list[Key], bit: int) -> None:
         self._same[key] = self._same.get(key, 0) | bit
-        for one in (key, *implied):
+        self._true[key] = self._true.get(key, 0) | bit
+        for one in implied:
             self._true[one] = self._true.get(one, 0) | bit
+
+    def single(self, i: int) -> list[Fact] | None:
+        """Return the one fact that sets group ``i`` apart, or none if none is needed."""
+        start, goal = self._true["name", self._names[i]], 1 << i
+        if start == goal:
+            return []
+        best: tuple[int, int, int] | None = None
+        for number, one in enumerate(self._facts[i]):
+            if one.size > 1:
+                break  # those with described landmarks stand behind all others
+            true = self._true[one.key]
+            if start & true != goal or self._same[one.key] == self._all:
+                continue
+            # Groups that nothing contradicts, then the order of facts: as in _score.
+            open_ = ~self._known.get(one.source.type, 0) | true
+            place = ((self._all & open_).bit_count(), one.rank, number)
+            best = place if best is None else min(best, place)
+        return None if best is None else [self._facts[i][best[2]].fact()]
 
     def smallest(self, i: int) -> tuple[list[Fact], bool]:
         """Return the facts that set group ``i`` apart, and whether only partly."""
+        if not self._described:
+            self._describe()
         own, name = 1 << i, ("name", self._names[i])
         options = self._options(i)
         strict = [(option, option.true) for option in options]
@@ -142,21 +188,20 @@ class _Index:
     def _options(self, i: int) -> list[_Option]:
         """Return the facts of group ``i``; of those that exclude the same groups, the best."""
         best: dict[tuple[int, int, int], _Option] = {}
-        for order, (fact, size, key) in enumerate(self._facts[i]):
-            if self._same[key] == self._all:
-                continue
+        for one in self._facts[i]:
             option = _Option(
-                fact=fact,
-                size=size,
-                order=(rank(fact)[0], order),
-                same=self._same[key],
-                true=self._true[key],
-                known=self._known.get(fact.type, 0),
+                variant=one,
+                size=one.size,
+                order=(one.rank, one.place),
+                same=self._same[one.key],
+                true=self._true[one.key],
+                known=self._known.get(one.source.type, 0),
             )
             slot = (option.same, option.true, option.known)
-            kept = best.setdefault(slot, option)
-            if (option.size, option.order) < (kept.size, kept.order):
-                best[slot] = option
+            if option.same != self._all:
+                kept = best.setdefault(slot, option)
+                if (option.size, option.order) < (kept.size, kept.order):
+                    best[slot] = option
         return sorted(best.values(), key=lambda option: (option.size, option.order))[:MAX_OPTIONS]
 
 
@@ -175,7 +220,7 @@ def _search(
         found = list(_sets_of_size(options, start, goal, size))
         if found:
             best = min(found, key=lambda chosen: _score(chosen, everyone))
-            return [option.fact for option, _ in best]
+            return [option.variant.fact() for option, _ in best]
     return None
 
 
@@ -220,44 +265,3 @@ def _score(
     for option, _ in chosen:
         open_ &= ~(option.known & ~option.true)
     return open_.bit_count(), sorted(option.order for option, _ in chosen)
-
-
-def _variants(graph: ObjectGraph) -> Iterator[tuple[Fact, int]]:
-    """Yield facts and their sizes; a relation once with each part of its landmark."""
-    for fact in facts_of(graph):
-        if isinstance(fact, Attribute):
-            yield fact, 1
-            continue
-        parts = facts_of(fact.target)[:4]
-        for count in range(len(parts) + 1):
-            for chosen in combinations(parts, count):
-                flat = [p if isinstance(p, Attribute) else _bare(p) for p in chosen]
-                target = graph_with(fact.target.name, flat)
-                yield Relation(fact.type, target, fact.inverse), 1 + count
-
-
-def _bare(relation: Relation) -> Relation:
-    return Relation(relation.type, ObjectGraph(name=relation.target.name), relation.inverse)
-
-
-def _key(fact: Fact) -> Key:
-    if isinstance(fact, Attribute):
-        return (fact.type, value_of(fact.value))
-    return (fact.type + _INVERSE * fact.inverse, *graph_key(fact.target))
-
-
-def _implied(fact: Fact, key: Key) -> list[Key]:
-    """Return the keys of broader facts that this one, with its key, implies."""
-    if isinstance(fact, Attribute):
-        return [(fact.type, value) for value in broader_values(value_of(fact.value))[1:]]
-    _, name, own, relations = key
-    types = (IS_ON, IS_AT) if fact.type == IS_ON else (fact.type,)
-    mark = _INVERSE * fact.inverse
-    names = _broader_names(str(name))
-    return [(type_ + mark, one, own, relations) for type_ in types for one in names]
-
-
-@lru_cache(WORDS_CACHED)
-def _broader_names(name: str) -> tuple[str, ...]:
-    split = name.split(" ")
-    return tuple(" ".join(split[i:]) for i in range(len(split)))
