@@ -183,6 +183,9 @@ def fuzz(count: int, seed: int, tagger: str) -> dict[str, object]:
         except Exception:
             print(f"string {number} of seed {seed}: {payload[:300]!r}", file=sys.stderr)
             raise
+        if number % 10_000 == 0:
+            done = f"{number} strings, longest {run.longest_ms:.1f} ms, {dict(run.outcomes)}"
+            print(done, file=sys.stderr, flush=True)
     return {
         "count": count,
         "seed": seed,
