@@ -20,6 +20,7 @@ from doro_mapper.finder import (
 )
 from doro_mapper.finders import make_finder
 from doro_mapper.hashmaps import HashMaps, Ints
+from doro_mapper.naming import NameMemory
 from doro_mapper.projection import Measured, measure
 from doro_mapper.settings import MapperSettings
 from doro_mapper.shots import Shot, shot
@@ -72,6 +73,7 @@ class Area:
 
     def __init__(self, settings: MapperSettings) -> None:
         self._settings = settings
+        self._names = NameMemory()
         self.views = Views(settings.max_views)
         self.maps = HashMaps(settings.cell_m, settings.band_m, settings.max_cells)
         self.coverage = Coverage(settings.cell_m, settings.coverage_cell_m, settings.max_depth_m)
@@ -138,6 +140,8 @@ class Area:
         counters["detections_merged"] += len(kept)
         if len(kept) < len(own):
             own, measured = [own[k] for k in kept], _chosen(measured, kept)
+        if options.fuse_names:
+            own = self._names.fused(own, measured)
         sightings = [self._sighting(box, k, measured, serial, depth) for k, box in enumerate(own)]
         return FrameSightings(serial, depth.camera, depth.frame, sightings, measured)
 

@@ -42,6 +42,7 @@ class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
         min_box_px: boxes with a shorter side are ignored.
         duplicate_iou: two boxes of one class in one frame that overlap more and lie in one
             place are one thing.
+        fuse_names: class distributions of a place are fused over views before a name is taken.
         max_depth_m: farther depth is not used.
         max_pending_frames: frames that wait for their other half; the oldest goes first.
         max_views: frames remembered for negative evidence; the oldest is forgotten first, its
@@ -70,6 +71,7 @@ class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
     samples: int = 24
     min_box_px: float = 3.0
     duplicate_iou: float = 0.7
+    fuse_names: bool = True
     max_depth_m: float = 20.0
     max_pending_frames: int = 64
     max_views: int = 2000
