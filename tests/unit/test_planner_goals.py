@@ -164,6 +164,26 @@ def test_without_reachable_views_goals_stand_on_the_free_floor_seen() -> None:
     assert goal.view.horizon_deg in PlannerSettings().horizons_deg
 
 
+def test_a_robot_that_follows_its_goals_sees_the_room_behind_the_wall_and_stops() -> None:
+    """No views are named: two rooms of 4 x 3 m, a doorway at one end of the wall between."""
+    wall = Thing("", (-0.5, 1.25, 0.0), (3.0, 2.5, 0.1))
+    things = [*room(4.0, 6.0), wall]
+    guide = guide_of()
+    goal = goals_in(explore(guide, things, [view(-1.0, -1.5, 0).pose("unity")], []))[-1]
+    visited = []
+    while not goal.done and len(visited) < 60:
+        assert goal.view is not None
+        assert goal.pose is not None
+        visited.append(goal.view.position_m)
+        (depth, graphs) = messages(shoot(things, [goal.pose]))[0]
+        depth.frame = graphs.frame = len(visited)
+        goal = goals_in([*guide.depth_frame(depth), *guide.frame_graphs(graphs)])[-1]
+    assert goal.done
+    assert 10 < len(visited) < 60
+    assert {z > 0.2 for _, _, z in visited} == {True, False}  # it went through the doorway
+    assert all(abs(x) < 1.9 and abs(z) < 2.9 for x, _, z in visited)
+
+
 def test_travel_counts() -> None:
     """The far view promises more; where the way is dear, the near one is the goal."""
     things = room(8.0, 8.0)

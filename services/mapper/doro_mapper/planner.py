@@ -15,75 +15,37 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from doro_mapper.planner_rays import Fan, fan_of
 from doro_mapper.planner_settings import PlannerSettings
-from doro_mapper.planner_space import Space, noticed
+from doro_mapper.planner_space import Space
 from doro_mapper.planner_things import SIGHT_STEPS, Thing, Worth, novelty, shown, worth_of
 from doro_mapper.planner_views import (
     Candidates,
     Look,
+    Proposals,
     candidates_of,
-    free_places,
     way_to,
     ways,
 )
 from doro_mapper.views import Camera, Floats
-from doro_schemas.camera import Intrinsics, World
+from doro_schemas.camera import World
 from doro_schemas.graph import ObjectGraph
 from doro_schemas.messages import Exploration, ExplorationGoal
 from doro_schemas.viewpoint import Viewpoint
 
-RAYS = 9
-"""Rays per side of a predicted image."""
 BATCH = 16
+LONGER = 4
+"""Times the budget, before a robot is told that there is nothing left."""
 REFRESHED = 8
 """Views looked at in turn, whatever they promised last."""
 PENDING = 16
 PAST = 256
 """Cameras remembered, so that no view is proposed that was just taken."""
-NEAREST_RAY_M = 0.4
 SEEN_BEFORE = 0.3
 """A look from where a thing was seen before is worth so much of one from a new side."""
 OPENING = 0.1
 LITTLE = 1e-6
 PARTS = ("area", "tentative", "twins", "unclear")
-
-
-@dataclass(frozen=True, slots=True)
-class Fan:
-    """The rays of a coarse image.
-
-    Attributes:
-        camera: intrinsics and size it was made for.
-        rays: (r, 3) unit vectors, camera axes.
-        reach: (s,) distances along each, in voxels.
-        share: (r, s) how many voxels each sample stands for, times the chance to notice a small
-            thing there. A ray stands for its solid angle, so a voxel that several rays cross
-            is not counted several times over.
-    """
-
-    camera: tuple[Intrinsics, tuple[int, int]]
-    rays: Floats
-    reach: NDArray[np.float32]
-    share: NDArray[np.float32]
-
-
-def _fan(camera: Camera, edge_m: float, options: PlannerSettings) -> Fan:
-    lens, (width, height) = camera.intrinsics, camera.size_px
-    side = (np.arange(RAYS) + 0.5) / RAYS
-    v, u = np.meshgrid(side * height, side * width, indexing="ij")
-    x, y = (u.ravel() - lens.cx) / lens.fx, (v.ravel() - lens.cy) / lens.fy
-    slant = np.sqrt(1 + x**2 + y**2)
-    reach_m = np.arange(NEAREST_RAY_M, options.sight_m, edge_m)
-    chance = options.trust * noticed(options.small_m, reach_m, lens.fy, options.least_px)
-    # The pixels a ray stands for, seen obliquely away from the axis.
-    angle = (width / RAYS / lens.fx) * (height / RAYS / lens.fy) / slant**3
-    share = angle[:, None] * (reach_m**2 * chance / edge_m**2)[None]
-    return Fan(
-        camera=(lens, camera.size_px),
-        rays=np.stack([x, y, np.ones_like(x)], axis=1) / slant[:, None],
-        reach=(reach_m / edge_m).astype(np.float32),
-        share=share.astype(np.float32),
-    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,6 +77,7 @@ class Planner:
         self._camera: Camera | None = None
         self._world: World = "unity"
         self._candidates = None
+        self._proposals: Proposals | None = None
         self._past: list[Camera] = []
         self._turn = 0
         self._fan: Fan | None = None
@@ -140,8 +103,9 @@ class Planner:
         for look in self._pending:
             self._space.add(look.camera, look.thumb_m)
             self._past.append(look.camera)
-        if self._candidates is not None:
-            self._candidates.take([look.camera for look in self._pending])
+        known = self._proposals.candidates if self._proposals else self._candidates
+        if known is not None:
+            known.take([look.camera for look in self._pending])
         del self._past[:-PAST]
         self._pending.clear()
 
@@ -156,16 +120,16 @@ class Planner:
         if camera is None:
             return ExplorationGoal(reason="nothing seen yet")
         way = ways(self._space, self._past, self._settings)
-        candidates = self._choices(camera, way)
+        candidates, left = self._choices(camera, way)
         far = way_to(self._space, camera, way, candidates.position_m)
         worth = worth_of(things(), self._asked, self._settings)
-        best, parts = self._search(candidates, far, worth, camera)
+        best, parts, rest = self._search(candidates, left, far, worth, camera)
         if best < 0:
             return ExplorationGoal(done=True, reason="no reachable view is left")
         gain = float(parts.sum())
         view = candidates.views[best]
         return ExplorationGoal(
-            done=gain < self._settings.least_gain,
+            done=max(gain, rest) < self._settings.least_gain,
             view=view,
             pose=view.pose(self._world),
             distance_m=round(float(far[best]), 3),
@@ -174,56 +138,63 @@ class Planner:
             reason=_reason(parts),
         )
 
-    def _choices(self, camera: Camera, way: NDArray[np.float32]) -> Candidates:
-        """Return the named views, or those of the free floor, afresh as it grows."""
-        if self._candidates is None and self._named:
+    def _choices(
+        self, camera: Camera, way: NDArray[np.float32]
+    ) -> tuple[Candidates, NDArray[np.int64]]:
+        """Return the named views, or those of the free floor, and which of them are left."""
+        if not self._named:
+            if self._proposals is None:
+                self._proposals = Proposals(self._settings, self._world)
+            allowed = self._proposals.update(self._space, self._past, way)
+            proposed = self._proposals.candidates
+            return proposed, np.flatnonzero(allowed & ~proposed.taken)
+        if self._candidates is None:
             self._candidates = candidates_of(self._named, self._world, self._settings)
             self._candidates.take(self._past)
             self._space.make_room(camera.position_m, self._candidates.position_m)
-        if self._candidates is not None:
-            return self._candidates
-        places = free_places(self._space, camera, way, self._world)
-        found = candidates_of(places, self._world, self._settings)
-        found.take(self._past)
-        return found
+        return self._candidates, np.flatnonzero(~self._candidates.taken)
 
     def _search(
-        self, candidates: Candidates, far: Floats, worth: Worth, camera: Camera
-    ) -> tuple[int, Floats]:
-        """Return the view with the best gain per way, and the parts of its gain; -1 for none."""
-        left = np.flatnonzero(~candidates.taken)
+        self,
+        candidates: Candidates,
+        left: NDArray[np.int64],
+        far: Floats,
+        worth: Worth,
+        camera: Camera,
+    ) -> tuple[int, Floats, float]:
+        """Return the view with the best gain per way (-1: none), the parts of its gain, and what
+        the views that were not looked at now may promise at most.
+        """
         if not len(left):
-            return -1, np.zeros(len(PARTS))
+            return -1, np.zeros(len(PARTS)), 0.0
         cost = 1.0 + self._settings.travel_per_m * far
-        hoped = self._things_promise(candidates, left, worth, camera, seen_through=True).total
-        # What was in the way of things last time is nearly all still there.
-        bound = candidates.area_gain[left] + hoped * candidates.open_share[left]
-        bound = bound / cost[left]
         hopes = np.zeros(len(candidates))
-        hopes[left] = hoped
+        hopes[left] = self._things_promise(candidates, left, worth, camera, seen_through=True).total
+        # What was in the way of things last time is nearly all still there.
+        hoped = candidates.area_gain + hopes * candidates.open_share
+        bound = hoped / cost
         # Of those never looked at, the nearest first.
-        order = left[np.lexsort((left, far[left], -bound))]
-        bounds = np.sort(-bound, kind="stable") * -1
-        turn = (self._turn + np.arange(REFRESHED)) % len(left)
+        order = left[np.lexsort((left, far[left], -bound[left]))]
+        turn = np.unique((self._turn + np.arange(REFRESHED)) % len(left))
         self._turn += REFRESHED
         best, best_score, best_parts = -1, -np.inf, np.zeros(len(PARTS))
-        looked = 0
-        batches = [left[np.unique(turn)]]
-        batches += [order[k : k + BATCH] for k in range(0, len(order), BATCH)]
+        looked = np.zeros(len(candidates), np.bool_)
+        batches = [left[turn], *(order[k : k + BATCH] for k in range(0, len(order), BATCH))]
         for number, batch in enumerate(batches):
-            if number and looked >= self._settings.budget:
-                break
-            if number and bounds[looked_from(number)] <= best_score:
+            enough = best_parts.sum() >= self._settings.least_gain
+            most = self._settings.budget * (1 if enough else LONGER)
+            if number and (looked.sum() >= most or bound[batch[0]] <= best_score):
                 break
             parts = self._promise(candidates, batch, worth, camera).parts
+            looked[batch] = True
             seen = (parts[:, 1:].sum(axis=1) + LITTLE) / (hopes[batch] + LITTLE)
             candidates.open_share[batch] = np.minimum(1.0, seen + OPENING)
-            looked += len(batch)
             score = parts.sum(axis=1) / cost[batch]
             at = int(np.lexsort((batch, -score))[0])
             if (score[at], -batch[at]) > (best_score, -best):
                 best, best_score, best_parts = int(batch[at]), float(score[at]), parts[at]
-        return best, best_parts
+        rest = left[~looked[left]]
+        return best, best_parts, float(hoped[rest].max(initial=0.0))
 
     def _promise(
         self, candidates: Candidates, chosen: NDArray[np.int64], worth: Worth, camera: Camera
@@ -252,7 +223,7 @@ class Planner:
 
     def _fan_of(self, camera: Camera) -> Fan:
         if self._fan is None or self._fan.camera != (camera.intrinsics, camera.size_px):
-            self._fan = _fan(camera, self._space.edge_m, self._settings)
+            self._fan = fan_of(camera, self._space.edge_m, self._settings)
         return self._fan
 
     def _things_promise(
@@ -284,11 +255,6 @@ class Planner:
             parts[:, 2] = both @ worth.twins
         parts[:, 3] = (chance * new) @ worth.unclear
         return Promise(parts)
-
-
-def looked_from(number: int) -> int:
-    """Return the rank of the first view in a batch; batch 0 is the one looked at in turn."""
-    return (number - 1) * BATCH
 
 
 def _reason(parts: Floats) -> str:

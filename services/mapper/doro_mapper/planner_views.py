@@ -16,12 +16,12 @@ from doro_schemas.camera import World, bev_axes
 from doro_schemas.messages import DepthFrame
 from doro_schemas.viewpoint import Viewpoint
 
-SAME_PLACE_M = 0.05
-SAME_COSINE = 0.996
-"""Directions within 5 degrees are one."""
+SAME_PLACE_M = 0.1
+SAME_COSINE = 0.985
+"""Directions within 10 degrees are one: no robot stops to the centimetre."""
 DETOUR = 1.5
 """A place that no seen floor leads to is taken to be so much farther than the straight line."""
-STRIDE_M = 0.4
+STRIDE_M = 0.6
 """Own proposals stand so far apart."""
 
 
@@ -77,6 +77,17 @@ class Candidates:
         alike = self.rotation[:, 2] @ ahead.T > SAME_COSINE
         self.taken |= (alike & (gap < SAME_PLACE_M)).any(axis=1)
 
+    def joined(self, other: Candidates) -> Candidates:
+        """Return these and others behind them."""
+        return Candidates(
+            [*self.views, *other.views],
+            np.concatenate([self.position_m, other.position_m]),
+            np.concatenate([self.rotation, other.rotation]),
+            np.concatenate([self.taken, other.taken]),
+            np.concatenate([self.area_gain, other.area_gain]),
+            np.concatenate([self.open_share, other.open_share]),
+        )
+
 
 def candidates_of(
     named: Sequence[Viewpoint], world: World, settings: PlannerSettings
@@ -103,24 +114,53 @@ def _directions(view: Viewpoint, settings: PlannerSettings) -> list[Viewpoint]:
     return [Viewpoint(view.position_m, yaw, horizon) for yaw in yaws for horizon in horizons]
 
 
-def free_places(
-    space: Space, camera: Camera, way: NDArray[np.float32], world: World
-) -> list[Viewpoint]:
-    """Return places on the free floor that can be reached, at the camera's height."""
-    stride = max(1, round(STRIDE_M / space.edge_m))
-    cells = np.argwhere(np.isfinite(way))
-    # A raster that stands still while the map grows to any side.
-    shift = np.rint(space.origin_m[:2] / space.edge_m).astype(np.int64)
-    cells = cells[((cells + shift) % stride == 0).all(axis=1)]
-    places = space.origin_m[:2] + (cells + 0.5) * space.edge_m
-    axes = bev_axes(world)
-    out = []
-    for a, b in places:
+class Proposals:
+    """Views on the free floor that can be reached, in all directions, at the camera's height.
+
+    Kept while the floor seen grows, as what each promised last is needed again. Bounded by
+    ``max_views``: where it is full, no further places are proposed.
+    """
+
+    def __init__(self, settings: PlannerSettings, world: World) -> None:
+        self._settings, self._world = settings, world
+        self.candidates = candidates_of([], world, settings)
+        self._first: dict[tuple[int, int, int], int] = {}
+        self._each = settings.yaws * len(settings.horizons_deg)
+
+    def update(
+        self, space: Space, cameras: Sequence[Camera], way: NDArray[np.float32]
+    ) -> NDArray[np.bool_]:
+        """Take over the floor as seen now; return which of the candidates stand on it."""
+        stride = max(1, round(STRIDE_M / space.edge_m))
+        cells = np.argwhere(np.isfinite(way))
+        # A raster that stands still while the map grows to any side.
+        numbers = cells + np.rint(space.origin_m[:2] / space.edge_m).astype(np.int64)
+        numbers = numbers[(numbers % stride == 0).all(axis=1)]
+        height_m = float(cameras[-1].position_m[2])
+        level = round(height_m / space.edge_m)
+        keys = [(int(a), int(b), level) for a, b in numbers]
+        room = self._settings.max_views // self._each - len(self._first)
+        new = [key for key in keys if key not in self._first][: max(0, room)]
+        if new:
+            places = [(np.array(key[:2]) + 0.5) * space.edge_m for key in new]
+            found = candidates_of(
+                [self._viewpoint(a, b, height_m) for a, b in places], self._world, self._settings
+            )
+            found.take(cameras)
+            for number, key in enumerate(new):
+                self._first[key] = len(self.candidates) + number * self._each
+            self.candidates = self.candidates.joined(found)
+        allowed = np.zeros(len(self.candidates), np.bool_)
+        for key in keys:
+            if key in self._first:
+                allowed[self._first[key] : self._first[key] + self._each] = True
+        return allowed
+
+    def _viewpoint(self, a: float, b: float, height_m: float) -> Viewpoint:
         position = [0.0, 0.0, 0.0]
-        for axis, value in zip(axes, (a, b, camera.position_m[2]), strict=True):
+        for axis, value in zip(bev_axes(self._world), (a, b, height_m), strict=True):
             position[axis] = round(float(value), 4)
-        out.append(Viewpoint(position))
-    return out
+        return Viewpoint(position)
 
 
 def ways(space: Space, cameras: Sequence[Camera], settings: PlannerSettings) -> NDArray[np.float32]:
