@@ -16,6 +16,7 @@ from doro_schemas.messages import Query
 
 ENDED = ("cancelled", "turn_limit", "timed_out", "search_again")
 ANSWER_TIMEOUT_S = 10.0
+CONFIRM_TARGET_S = 1.0
 
 
 def run_chat(bus: Bus, source: IO[str], wait_s: float) -> None:
@@ -66,6 +67,9 @@ def _instruct(conversation: Conversation, text: str, wait_s: float) -> Query | N
         talk.print("robot:  still looking around; the question comes when it has finished.")
         return None
     click.echo(f'robot:  "{query.text}"')
+    if query.state == "CONFIRM" and not query.also:
+        for target in conversation.targets_of(query, CONFIRM_TARGET_S):
+            click.echo(describe_target(target))
     return query
 
 

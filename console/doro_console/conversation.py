@@ -82,6 +82,16 @@ class Conversation:
             self._bus.run_until(deadline_s, lambda: len(self.targets) >= wanted)
         return reply, self.targets[targets:]
 
+    def targets_of(self, query: Query, timeout_s: float) -> list[Target]:
+        """Return the targets of a confirmation; none where they do not come in time."""
+
+        def found() -> list[Target]:
+            same = [one for one in self.targets if one.dialogue_id == query.dialogue_id]
+            return [one for one in same if one.instance_id in query.matches]
+
+        self._bus.run_until(time.monotonic() + timeout_s, lambda: bool(found()))
+        return found()
+
     def wait_for_query(self, count: int, timeout_s: float) -> Query | None:
         """Return the latest query once there are ``count``; None if they do not come in time."""
         self._bus.run_until(time.monotonic() + timeout_s, lambda: len(self.queries) >= count)

@@ -60,6 +60,17 @@ def test_instruction_query_answer_target(capsys) -> None:  # type: ignore[no-unt
         assert target.startswith(f"target: {query.clauses[0].instance_ids[0]} at ")
         assert chain.wait(lambda: len(targets) == 2, 10.0)
 
+        # A confirmation gives its target at once, and may still be corrected.
+        with Bus("chat", chain.settings) as bus:
+            lines = io.StringIO("bring me the blue cup\nno, the green one\n")
+            run_chat(bus, lines, 20.0)
+        robot, first, corrected, second = capsys.readouterr().out.splitlines()
+        assert "I will take the blue cup" in robot
+        assert "the green cup" in corrected
+        assert first.startswith("target: cup-")
+        assert second.startswith("target: cup-")
+        assert first != second
+
 
 def test_doro_answer_on_stdin() -> None:
     cups = [

@@ -96,7 +96,7 @@ def test_an_instruction_waits_for_the_end_of_the_exploration_and_is_then_decided
     asks = core.exploration(finished())
     assert asked(asks) == ["cup"]
     assert (asks[0].request.episode, asks[0].request.stamp_ns) == ("room", 90)
-    (query,) = core.instances(reply(ON_TABLE, BLUE_CUP, unseen_share=0.25))
+    query, _ = core.instances(reply(ON_TABLE, BLUE_CUP, unseen_share=0.25))
     assert isinstance(query, Query)
     assert (query.dialogue_id, query.revision, query.stamp_ns) == ("room/1", 0, 90)
     assert (query.state, query.reason) == ("CONFIRM", "unique_match")
@@ -127,7 +127,7 @@ def test_a_service_that_missed_the_start_takes_the_end():
     core = dialogue()
     core.instruction_graph(instruction())
     assert asked(core.exploration(finished("kitchen"))) == ["cup"]
-    (query,) = core.instances(reply(RED_CUP))
+    query, _ = core.instances(reply(RED_CUP))
     assert query.dialogue_id == "kitchen/1"
 
 
@@ -163,7 +163,8 @@ def test_several_instructions_are_several_dialogues_matched_by_class_and_order()
     core.instruction_graph(instruction(BLUE_CUP))
     assert asked(core.exploration(finished())) == ["cup", "bowl", "cup"]
     (bowl,) = core.instances(reply(name="bowl"))
-    (red,) = core.instances(reply(RED_CUP, name="cup"))
+    red, target = core.instances(reply(RED_CUP, name="cup"))
+    assert target.dialogue_id == "room/1"
     (blue,) = core.instances(reply(RED_CUP, name="cup"))
     assert (bowl.dialogue_id, bowl.state) == ("room/2", "INFORM-MISSING")
     assert (red.dialogue_id, red.state) == ("room/1", "CONFIRM")
@@ -243,7 +244,7 @@ def test_the_map_is_asked_again_until_it_has_the_last_frame():
     core.exploration(finished(frames=10))
     assert asked(core.instances(reply(merged=8))) == ["cup"]
     assert asked(core.instances(reply(merged=9))) == ["cup"]
-    (query,) = core.instances(reply(RED_CUP, merged=10))
+    query, _ = core.instances(reply(RED_CUP, merged=10))
     assert query.state == "CONFIRM"
 
 
@@ -267,7 +268,7 @@ def test_without_a_map_the_dialogue_waits_and_asks_again():
     with pytest.raises(Refused, match="nobody answered; 1 instruction"):
         core.unanswered(Unanswered(request=ask.request, reason="nobody answered"))
     assert asked(core.grid_delta(delta(3))) == ["cup"]
-    (query,) = core.instances(reply(RED_CUP))
+    query, _ = core.instances(reply(RED_CUP))
     assert (query.revision, query.stamp_ns) == (0, 90)
 
 
@@ -331,6 +332,6 @@ def test_an_emptied_map_begins_the_episode_even_before_the_word_of_it() -> None:
     core.instruction_graph(instruction())
     asks = core.exploration(finished())
     assert len(asks) == 1
-    (query,) = core.instances(reply(RED_CUP))
+    query, _ = core.instances(reply(RED_CUP))
     assert isinstance(query, Query)
     assert (query.dialogue_id, query.revision) == ("room/1", 0)

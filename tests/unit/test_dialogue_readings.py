@@ -208,6 +208,7 @@ def test_both_readings_stay_open_when_the_map_changes(nlu):
     parsed = nlu.parse_text(SINK)
     room.say(parsed.graph, SINK, readings=parsed.readings)
     room.world.pop()
-    (query,) = room.look_again()
+    query, target = room.look_again()
     assert (query.state, query.revision, query.replaces) == (CONFIRM, 1, 0)
+    assert target.instance_id == "cup-1"
     assert only(room.answer("yes"), Target)[0].instance_id == "cup-1"

@@ -53,7 +53,8 @@ def test_every_setting_is_described_with_its_default():
     fields = {field.name: field.default for field in msgspec.structs.fields(DialogueSettings)}
     assert set(told) == set(fields)
     for name, default in fields.items():
-        text = {"": "empty", "False": "false"}.get(str(default), str(default).removesuffix(".0"))
+        words = {"": "empty", "False": "false", "True": "true"}
+        text = words.get(str(default), str(default).removesuffix(".0"))
         assert told[name] == text, name
 
 

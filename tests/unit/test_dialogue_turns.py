@@ -150,6 +150,33 @@ def test_a_narrower_question_is_a_revision_and_its_answer_is_held_against_it(nlu
     assert only(room.answer("the first one"), Target)[0].instance_id == "cup-2"
 
 
+def test_a_confirmation_gives_the_target_and_may_still_be_corrected(nlu):
+    room = Room(nlu)
+    query, target = room.say(ObjectGraph("cup", {"color": "red"}))
+    assert (query.state, query.ended, target.instance_id) == ("CONFIRM", "", "cup-1")
+    assert (target.stamp_ns, target.position_m) == (query.stamp_ns, [0.0, 1.0, 2.0])
+    assert only(room.answer("no, the blue one"), Target)[0].instance_id == "cup-2"
+
+
+def test_silence_after_a_confirmation_is_consent(nlu):
+    room = Room(nlu, timeout_s=1.0)
+    room.say(ObjectGraph("cup", {"color": "red"}))
+    assert room.core.tick(10**9) == room.core.tick(3 * 10**9) == []
+    with pytest.raises(Refused, match=r"finished \(resolved\)"):
+        room.answer("no, the blue one", "room/1")
+
+
+@pytest.mark.parametrize(
+    ("world", "settings"),
+    [([CUP, WORLD[0]], {}), ([WORLD[0]], {"target_on_confirm": False})],
+)
+def test_without_certainty_or_by_setting_only_a_yes_gives_the_target(nlu, world, settings):
+    room = Room(nlu, world=world, **settings)
+    (query,) = room.say(ObjectGraph("cup", {"color": "red"}))
+    assert query.state == "CONFIRM"
+    assert only(room.answer("yes"), Target)[0].graph == WORLD[0]
+
+
 def test_yes_takes_what_is_offered(nlu):
     room = Room(nlu, world=[ObjectGraph("cup", {"color": "blue"})])
     (query,) = room.say(ObjectGraph("cup", {"color": "red"}))
@@ -237,7 +264,8 @@ def test_another_place_is_searched_in_the_next_episode(nlu):
     (said,) = room.answer("look in the kitchen")
     assert (said.reason, said.text) == ("search_again", "Okay, I will look there.")
     room.world = [WORLD[0]]
-    (query,) = room.explore("kitchen")
+    query, target = room.explore("kitchen")
+    assert target.dialogue_id == "kitchen/1"
     assert (query.dialogue_id, query.state, query.revision) == ("kitchen/1", "CONFIRM", 0)
     assert only(room.answer("yes"), Target)[0].dialogue_id == "kitchen/1"
 

@@ -93,9 +93,10 @@ class Dialogue:
             now_ns: time by the clock of the shell, Unix nanoseconds.
         """
         return [
-            self._speaker.time_out(talk, now_ns)
+            output
             for talk in self._state.open_talks()
             if self._speaker.is_overdue(talk, now_ns)
+            for output in self._speaker.time_out(talk, now_ns)
         ]
 
     def instruction_graph(self, message: InstructionGraph) -> list[Output]:

@@ -14,6 +14,8 @@ class DialogueSettings(msgspec.Struct, frozen=True, kw_only=True):
         settle_asks: if the exploration said how many frames it has and the map lacks the
             last, the map is asked again this often before it is decided on what there is.
         max_turns: answers to one instruction before the dialogue gives up.
+        target_on_confirm: a CONFIRM after the exploration gives the target at once, unless an
+            instance that may be meant too was not fully observed; else only a "yes" does.
         timeout_s: a question that nobody answers for so long ends its dialogue, with a message;
             0: never.
         state_dir: folder of the state file, by which a restart loses nothing; empty: the
@@ -29,6 +31,7 @@ class DialogueSettings(msgspec.Struct, frozen=True, kw_only=True):
     belief_every_frames: int = 25
     settle_asks: int = 20
     max_turns: int = 6
+    target_on_confirm: bool = True
     timeout_s: float = 600.0
     state_dir: str = ""
     early_beliefs: int = 0

@@ -31,6 +31,7 @@ class Speaker:
         """Note that a query is published."""
         self.spoken += 1
         talk.query, talk.spoken, talk.waiting_since_ns = query, self.spoken, 0
+        talk.targeted = False
 
     def end(self, talk: Talk, how: str) -> None:
         """Finish a dialogue."""
@@ -93,7 +94,11 @@ class Speaker:
         query = talk.follow(query, stamp_ns, ended=talk.ended)
         talk.decided = query = msgspec.structs.replace(query, early=early)
         self.speak(talk, query)
-        return [query, *(targets_of(query, query.matches, reply) if talk.ended else [])]
+        one = query.state == "CONFIRM" and len(query.matches) == 1
+        sure = one and not query.also and not early and last
+        talk.targeted = sure and self._settings.target_on_confirm and not talk.ended
+        given = talk.ended or talk.targeted
+        return [query, *(targets_of(query, query.matches, reply) if given else [])]
 
     def is_overdue(self, talk: Talk, now_ns: int) -> bool:
         """Tell whether nobody has answered for too long; a question waits from its first tick.
@@ -107,9 +112,15 @@ class Speaker:
             talk.waiting_since_ns = now_ns
         return now_ns - talk.waiting_since_ns >= limit_ns
 
-    def time_out(self, talk: Talk, now_ns: int) -> Query:
-        """End a dialogue that nobody answers; return the message that says so."""
+    def time_out(self, talk: Talk, now_ns: int) -> list[Output]:
+        """End a dialogue that nobody answers, with a message that says so.
+
+        Nobody has to answer a confirmation that gave its target: silence is consent.
+        """
         assert talk.query is not None
+        if talk.targeted:
+            self.end(talk, "resolved")
+            return []
         self._counters["timed_out"] += 1
         self.end(talk, "timed_out")
         query = msgspec.structs.replace(
@@ -117,4 +128,4 @@ class Speaker:
         )
         query = talk.follow(query, now_ns, ended=talk.ended)
         self.speak(talk, query)
-        return query
+        return [query]

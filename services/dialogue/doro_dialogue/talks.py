@@ -29,6 +29,7 @@ class Talk(msgspec.Struct, kw_only=True):
         turns: answers taken.
         searching: the person named another place; decided anew in the next episode.
         replaced: an answer put another object in place of the first.
+        targeted: the latest query was a confirmation that gave its target.
         ended: how the dialogue ended; empty while it is open.
         waiting_since_ns: the first tick after the latest query; 0 before it.
         belief, stable: what the latest belief decided, and how many in a row did.
@@ -48,6 +49,7 @@ class Talk(msgspec.Struct, kw_only=True):
     turns: int = 0
     searching: bool = False
     replaced: bool = False
+    targeted: bool = False
     ended: str = ""
     waiting_since_ns: int = 0
     belief: str = ""
