@@ -72,7 +72,9 @@ def run_bench(recording: Path, frames: int = FRAMES) -> dict[str, Figure]:
         return pool.submit(measure, recording, frames).result()
 
 
-def measure(recording: Path, frames: int = FRAMES) -> dict[str, Figure]:
+def measure(
+    recording: Path, frames: int = FRAMES, large_frames: int = LARGE_FRAMES
+) -> dict[str, Figure]:
     """Measure in this process; see :func:`run_bench`."""
     room = load_room(recording)
     pairs = Endless(room, DETECTIONS)
@@ -106,7 +108,11 @@ def measure(recording: Path, frames: int = FRAMES) -> dict[str, Figure]:
         f"speed/mapper/state_after_{frames}_frames_mb": round(deep_bytes(mapper) / 1e6, 2),
         "speed/mapper/instances": len(mapper.instances(InstancesRequest()).instances),
     }
-    return {**figures, **_baseline(pairs, times, min(frames, BASELINE_FRAMES)), **_large(room)}
+    return {
+        **figures,
+        **_baseline(pairs, times, min(frames, BASELINE_FRAMES)),
+        **_large(room, large_frames),
+    }
 
 
 def _baseline(pairs: Endless, ours: Times, frames: int) -> dict[str, Figure]:
@@ -126,12 +132,12 @@ def _baseline(pairs: Endless, ours: Times, frames: int) -> dict[str, Figure]:
     }
 
 
-def _large(room: Room) -> dict[str, Figure]:
+def _large(room: Room, frames: int) -> dict[str, Figure]:
     """Return the times at 640x480 with 20 detections a frame."""
     pairs = Endless(room, LARGE_DETECTIONS, LARGE_PX)
     mapper, times = Mapper(MapperSettings()), Times()
     mapper.exploration(room.start())
-    for number in range(LARGE_FRAMES):
+    for number in range(frames):
         _timed(mapper, pairs.make(number), times)
     return {
         "speed/mapper/frame_640_p50_ms": _ms(times.percentile_ms(50)),
