@@ -14,12 +14,14 @@ from rich.table import Table
 from doro_console.options import Common, common_options, says_refusals, talk
 
 if TYPE_CHECKING:
+    from doro_evaluation.outcomes import Outcome
     from doro_perception.settings import PerceptionSettings
 
 LOOKING = click.Choice(["captioner", "coco", "onnx"])
 FOLDER = click.Path(path_type=Path, file_okay=False)
 FILE = click.Path(path_type=Path, dir_okay=False)
 LOW_SCORE = 0.02
+SINGLE_FRAME_SCORE = 0.5
 SHOWN = ("map50", "map50_evaluated", "recall", "top1", "top3", "colour", "material")
 
 
@@ -94,12 +96,39 @@ def _core(settings: PerceptionSettings) -> Any:
     return Perception(settings, make_backend(settings, stages), stages=stages)
 
 
+def _counted(common: Common, backend: str, rooms: int, views: int) -> dict[str, Any]:
+    """Return the counting figures of rendered test rooms, and print them."""
+    from rich.progress import track
+
+    from doro_evaluation.perception_chain import SYSTEMS, figures_of, outcomes, render, test_rows
+    from doro_perception.backends import make_backend
+    from doro_perception.stages import Stages
+
+    settings = _settings(common, backend, relations=False)
+    detector = make_backend(settings, Stages())
+    assert detector is not None
+    found: list[Outcome] = []
+    for row in track(test_rows(rooms), "rooms", console=talk, transient=True):
+        found += outcomes(render(row, views), detector, settings, SINGLE_FRAME_SCORE)
+    figures = figures_of(found)
+    table = Table("", "F1", "accuracy", "matched F1", title=f"counting, {rooms} test rooms")
+    for system in SYSTEMS:
+        keys = ("average/f1", "accuracy", "matched_f1_0.5m")
+        table.add_row(
+            system, *(str(figures.get(f"perception_counting/{system}/{key}")) for key in keys)
+        )
+    Console().print(table)
+    return figures
+
+
 @click.command("perception")
 @click.option("--backend", type=LOOKING, default="captioner", show_default=True)
 @click.option("--frames", default=30, show_default=True, help="Of each held-out room.")
 @click.option("--rooms", default=0, help="Only the first so many of the held-out rooms.")
 @click.option("--seed", default=7, show_default=True, help="Of copies and views.")
 @click.option("--shared", type=FOLDER, default=Path("../shared/data"), show_default=True)
+@click.option("--chain", default=0, help="Count end to end in so many test rooms; slow.")
+@click.option("--views", default=60, show_default=True, help="Of each of these rooms, at most.")
 @click.option("--plot", type=FILE, help="Where to draw the reliability plot (PNG).")
 @click.option("--json", "json_path", type=FILE, help="Where to write the figures.")
 @common_options
@@ -111,6 +140,8 @@ def perception(
     rooms: int,
     seed: int,
     shared: Path,
+    chain: int,
+    views: int,
     plot: Path | None,
     json_path: Path | None,
 ) -> None:
@@ -146,5 +177,7 @@ def perception(
     Console().print(table)
     if plot is not None:
         draw_reliability(plot, {one.name: one.detected.certain for one in measured})
+    if chain:
+        figures |= _counted(common, backend, chain, views)
     command = f"doro eval perception --backend {backend} --frames {frames} --seed {seed}"
     write_figures(json_path, figures, command, seed)
