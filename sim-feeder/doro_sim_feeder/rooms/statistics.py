@@ -16,7 +16,7 @@ from doro_sim_feeder.rooms.make_set import MANIFEST, RoomTruth, read_truth
 
 PAPER_OBSERVATIONS = (167.0, 108.3)
 """Mean and standard deviation per room (paper, Section V-A)."""
-PARTS = ("validation", "default", "copies")
+PARTS = ("validation", "default", "copies", "extra", "chairs", "stacks")
 
 
 class Observations(msgspec.Struct, frozen=True):
