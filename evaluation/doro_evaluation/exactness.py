@@ -19,6 +19,8 @@ from doro_schemas.graph import ObjectGraph
 from doro_schemas.messages import ParseReply
 
 INSTRUCTIONS = Path(__file__).parent / "data" / "instructions.jsonl"
+FRESH = INSTRUCTIONS.with_name("instructions-fresh.jsonl")
+"""26 more, written when the parser was done."""
 
 
 class Parser(Protocol):

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from doro_nlu.attach import Link, Value
 from doro_nlu.spans import Span
 from doro_nlu.spelling import repair
-from doro_nlu.words import NAME_EDGES
+from doro_nlu.words import FILLED, NAME_EDGES
 from doro_schemas.graph import MAX_DEPTH, ObjectGraph, Relation
 from doro_schemas.vocabulary import canonical_name, canonical_value
 
@@ -134,8 +134,10 @@ def _build(found: Found, way: Attachment, noun: int, depth: int) -> ObjectGraph:
 
 
 def name_of(text: str) -> str:
-    """Return a labelled noun phrase without function words at its edges ("picture of")."""
+    """Return a labelled noun phrase without function words at its edges ("picture of") and
+    without its contents ("jar full of coins")."""
     words = text.split(" ")
+    words = words[: next((at for at in range(1, len(words)) if words[at] in FILLED), len(words))]
     while len(words) > 1 and words[-1] in NAME_EDGES:
         words.pop()
     while len(words) > 1 and words[0] in NAME_EDGES:

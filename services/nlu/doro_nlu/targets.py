@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -68,6 +69,7 @@ def settle(words: Sequence[str], spans: Sequence[Span]) -> Settled | None:
         _second_by_joint(words, settled, root)
         or _second_by_verb(words, settled, root)
         or _second_by_one(words, settled, root)
+        or _second_by_value(words, settled, root)
     )
     return Settled(root, settled, second)
 
@@ -240,6 +242,18 @@ def _second_by_one(words: Sequence[str], spans: Sequence[Span], root: Span) -> s
         one = words[span.end : span.end + 1] in (["one"], ["ones"])
         if joined and one and _is_value(span) and span.kind in own:
             return f"{span.text} one"
+    return ""
+
+
+def _second_by_value(words: Sequence[str], spans: Sequence[Span], root: Span) -> str:
+    """Return a choice of values: "the purple or the pink balloon"; "a red and white cup" is one."""
+    before = [span for span in spans if span.end <= root.start]
+    for first, other in itertools.pairwise(before):
+        gap = words[first.end : other.start]
+        alike = _is_value(first) and first.kind == other.kind
+        choice = gap[:1] == ["or"] or (gap[:1] == ["and"] and len(gap) > 1)
+        if alike and choice and _short(gap[1:]) and root.start - other.end <= 1:
+            return f"{other.text} {root.text}"
     return ""
 
 

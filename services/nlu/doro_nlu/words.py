@@ -50,6 +50,7 @@ STRANDED = {
 """Prepositions of one word and what they say, for where the tagger has left one out, as at the end
 of "the table that the lamp is on"."""
 
+FILLED = frozenset(["full", "filled"])
 NAME_EDGES = frozenset(_words("of the a an my your and or with to for called named"))
 """Words that begin or end no name: a label that runs over by one is cut back."""
 
