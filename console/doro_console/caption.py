@@ -45,9 +45,7 @@ def caption(
 
     An image that cannot be read is refused with a sentence, the others are done all the same.
     """
-    import cv2
-
-    from doro_perception.draw import draw_captions
+    from doro_perception.draw import draw_captions, write_png
     from doro_perception.files import describe_file
     from doro_schemas.errors import Refused
 
@@ -64,7 +62,7 @@ def caption(
             continue
         picture = draw_captions(rgb, message)
         target = out / f"{path.stem}.png"
-        cv2.imwrite(str(target), picture[..., ::-1])
+        write_png(target, picture)
         if as_json:
             click.echo(json.dumps({"image": str(path), **msgspec.to_builtins(message)}))
         else:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import cv2
 import numpy as np
 
 from doro_perception.backend import RgbImage
 from doro_perception.caption import caption
+from doro_schemas.errors import Refused
 from doro_schemas.messages import CaptionedBox, FrameCaptions
 
 # Distinct on walls and floors alike; a caption keeps the colour of its box.
@@ -60,3 +63,20 @@ def draw_captions(rgb: RgbImage, captions: FrameCaptions) -> RgbImage:
             cv2.LINE_AA,
         )
     return canvas
+
+
+def write_png(path: Path, rgb: RgbImage) -> None:
+    """Write an image as PNG.
+
+    Raises:
+        Refused: the file cannot be written.
+    """
+    done, data = cv2.imencode(".png", np.ascontiguousarray(rgb[..., ::-1]))
+    if not done:
+        raise Refused(f"{path} cannot be written: OpenCV cannot make a PNG of {rgb.shape}")
+    try:
+        path.write_bytes(data.tobytes())
+    except OSError as error:
+        raise Refused(
+            f"{path} cannot be written ({error.strerror}): name another folder"
+        ) from error
