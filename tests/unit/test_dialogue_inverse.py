@@ -6,7 +6,7 @@ import pytest
 from doro_dialogue.decide_lines import decide_record
 from doro_dialogue.facts import carried_by
 from doro_dialogue.matching import match
-from doro_dialogue.surface import counted, definite
+from doro_dialogue.surface import counted, definite, predicate
 from doro_mapper.carried import with_carried
 from doro_schemas.graph import ObjectGraph, Relation
 from doro_schemas.messages import Instance
@@ -45,6 +45,7 @@ def test_words() -> None:
     assert definite(TRAY_WITH_SPONGE) == "the tray with the sponge on it"
     held = ObjectGraph("box", {}, [Relation("is-at", ObjectGraph("cup", {"color": "red"}), True)])
     assert counted(held) == "one box with the red cup"
+    assert predicate(TRAY_WITH_SPONGE.relations) == "the one with the sponge on it"
 
 
 def test_a_decision_picks_the_tray_that_has_it() -> None:

@@ -130,7 +130,7 @@ def _predicate(fact: Fact) -> str:
     if isinstance(fact, Attribute):
         value = value_of(fact.value)
         return f"made of {value}" if fact.type == MATERIAL else value
-    return _relation(fact)
+    return f"the one {_relation(fact)}" if fact.inverse else _relation(fact)
 
 
 def _plural_word(word: str) -> str:
