@@ -204,10 +204,16 @@ class Space:
         self.value, self.opacity = unknown, opacity
 
     def _in_sight(self, camera: Camera) -> tuple[slice, slice]:
-        """Return the columns that a frame can change: those within sight of its camera."""
-        reach = self._settings.sight_m + self.edge_m
-        first = np.floor((camera.position_m - reach - self.origin_m) / self.edge_m).astype(int)
-        last = np.ceil((camera.position_m + reach - self.origin_m) / self.edge_m).astype(int)
+        """Return the columns that a frame can change: the ground below its pyramid of sight."""
+        lens, (width, height) = camera.intrinsics, camera.size_px
+        u, v = np.array([0, width, 0, width]), np.array([0, 0, height, height])
+        local = np.stack([(u - lens.cx) / lens.fx, (v - lens.cy) / lens.fy, np.ones(4)], axis=1)
+        corners = np.concatenate(
+            [local * self._settings.sight_m @ camera.rotation, np.zeros((1, 3))]
+        )
+        offset = camera.position_m - self.origin_m
+        first = np.floor((corners.min(axis=0) + offset) / self.edge_m - 1).astype(int)
+        last = np.ceil((corners.max(axis=0) + offset) / self.edge_m + 1).astype(int)
         a, b, _ = self.shape
         rows = slice(min(max(first[0], 0), a), min(max(last[0], 0), a))
         return rows, slice(min(max(first[1], 0), b), min(max(last[1], 0), b))
