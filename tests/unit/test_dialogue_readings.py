@@ -152,7 +152,7 @@ ANSWERS = [
     ("neither", None),
     ("I don't know", None),
     ("it doesn't matter", None),
-    ("asdf", None),
+    ("asdf qwer", None),
 ]
 
 

@@ -44,6 +44,8 @@ REPEAT = re.compile(
     r"|(?:can|could) you (?:repeat|say) (?:that|it)(?: again)?|say (?:that|it) again"
     r"|what did you say|i did not (?:hear|get) (?:that|you)|i didn't (?:hear|get) (?:that|you))$"
 )
+THANKS = re.compile(r"\b(?:thanks|thank you)\b")
+ANY_OF_THE = re.compile(r"\b(?:any|either)(?: one)? of the\b(?= .*\bones?\b)")
 UNSURE = re.compile(
     r"\b(?:not sure|do not know|don't know|no idea|can't tell|cannot tell|what do you mean"
     r"|not certain|dunno|what\b.*\bare there|which ones are)\b|^(?:what|why|how|who)\b"
@@ -59,6 +61,7 @@ SEARCH = re.compile(
     r" (?:in |on |under |at )?(?:the|my|our|another|a|under|in|inside|behind|upstairs|downstairs)\b"
     r"(?!.*\bones?\b)"
 )
+NO_PLACE = re.compile(r"\b(?:again|around|elsewhere|somewhere|further|more|keep)\b")
 PLACE_PHRASE = re.compile(
     r"\b(?:in|inside|on|under|behind|near|at|next to|by|around) (?:the|my|our|a) .*"
 )
@@ -68,7 +71,8 @@ NONE = re.compile(
     r"|no,? none of (?:them|those|these)|neither is (?:right|it|correct))$"
 )
 LEADING_NO = re.compile(
-    r"(?:no(?: no)?|nope|nah|wrong|that's not it|that is not it|not that(?: one)?|not it"
+    r"(?:no way|no(?: no)?|nope|nah|not really|(?:(?:that is|that's) )?(?:the )?wrong one|wrong"
+    r"|that's not it|that is not it|not that(?: one)?|not it"
     r"|do not(?: take it)?|don't(?: take it)?|i don't|i do not|it isn't|it is not"
     r"|that's wrong|that is wrong|sorry)(?=$|,|(?<=no) (?=the\b|i\b|it\b|take\b|bring\b|that\b))"
 )
@@ -77,7 +81,8 @@ LEADING_YES = re.compile(
     r"|go ahead|(?:take|bring|get|grab) (?:it|that|that one|this one)(?: to me)?|that one|this one"
     r"|that's (?:it|right|the one|fine|good|ok|okay)|that is (?:it|right|the one|fine|good)|it is"
     r"|that's what i mean|that is what i mean|i do|bring me that one"
-    r"|that will do|that'll do|fine|good|perfect|alright|all right|sounds good|yes it is)"
+    r"|that will do|that'll do|fine(?: by me| with me)?|good|perfect|great|cool|alright|all right"
+    r"|sounds good|that works|works for me|(?:sure )?why not|yes it is)"
     r"(?=$|,|(?<=yes) )"
 )
 ANY = re.compile(

@@ -17,6 +17,7 @@ from doro_dialogue.act_words import (
     ALL,
     ALL_BUT,
     ANY,
+    ANY_OF_THE,
     CANCEL,
     CORRECTION,
     DESCRIBING,
@@ -38,6 +39,7 @@ from doro_dialogue.act_words import (
     RIGHT,
     SEARCH,
     SIDE,
+    THANKS,
     UNCLEAR,
     UNSURE,
 )
@@ -126,7 +128,8 @@ def hear(text: str, name: str, known: frozenset[str] = frozenset()) -> Heard:
     no, said = _leading(LEADING_NO, said)
     yes, said = _leading(LEADING_YES, said) if not no else (False, said)
     if not said:
-        return Heard("yes" if yes else "no" if no else "unclear")
+        thanks = not no and THANKS.search(text.lower()) is not None
+        return Heard("yes" if yes or thanks else "no" if no else "unclear")
     return msgspec.structs.replace(_describe(said, name, corrects=no), said=said)
 
 
@@ -145,7 +148,7 @@ def _normal(text: str) -> str:
     said = text.lower().replace("\u2019", "'").strip()
     said = re.sub(r"[!?;:\"()]", " , ", said)
     said = re.sub(r"\.(?!\d)", " , ", said)
-    said = FILLER.sub(" ", said)
+    said = ANY_OF_THE.sub("any", FILLER.sub(" ", said))
     said = re.sub(r"\b(\w+)(?: \1\b)+", r"\1", said)
     return re.sub(r"\s+", " ", re.sub(r"(\s*,)+\s*", ", ", said)).strip(" ,")
 

@@ -56,7 +56,8 @@ def reply_to(scene: Scene, outcome: Outcome, manner: Manner) -> Said:
     if outcome.action == "cancelled":
         return Said("Okay, I will leave it.", [], scene.state, "cancelled")
     if outcome.action == "search_again":
-        return Said("Okay, I will look there.", [], scene.state, "search_again")
+        where = "again" if outcome.repeat else "there"
+        return Said(f"Okay, I will look {where}.", [], scene.state, "search_again")
     return _again(scene, outcome, manner)
 
 
@@ -132,12 +133,19 @@ def _again(scene: Scene, outcome: Outcome, manner: Manner) -> Said:
     note = _note(scene, outcome)
     if len(ids) < 2:
         parts = [Part(one.instance_ids, one.text, one.graph) for one in scene.groups]
-        text = note + (scene.text.removeprefix(SORRY) if scene.groups or not note else TELL_ME)
+        text = note + (_put_again(scene) if scene.groups or not note else TELL_ME)
         return Said(text, parts, scene.state, "ask_again")
     if outcome.sides and (row := _from_left(scene, ids, manner)) is not None:
         return row
     said = _which(scene, ids, manner, outcome.graph)
     return msgspec.structs.replace(said, text=note + said.text)
+
+
+def _put_again(scene: Scene) -> str:
+    """Return the question once more; a confirmation becomes one."""
+    if scene.state == "CONFIRM" and len(scene.groups) == 1:
+        return f"Do you mean {scene.groups[0].text}?"
+    return scene.text.removeprefix(SORRY)
 
 
 def _note(scene: Scene, outcome: Outcome) -> str:

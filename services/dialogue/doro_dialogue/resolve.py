@@ -12,6 +12,7 @@ from typing import Literal
 
 import msgspec
 
+from doro_dialogue.act_words import NO_PLACE
 from doro_dialogue.acts import Heard
 from doro_dialogue.facts import name_of, value_of
 from doro_dialogue.matching import is_room
@@ -33,7 +34,7 @@ class Outcome(msgspec.Struct, frozen=True):
         about: the instances to ask about again; empty: the same question.
         graph: what was described, where one description decided.
         replaced: another object is wanted: to be decided anew.
-        repeat: the person wants to hear it again.
+        repeat: the person wants to hear it again, or the robot to look again.
         sides: the person named a side, and the question had none.
     """
 
@@ -103,7 +104,7 @@ def _elsewhere(scene: Scene, heard: Heard, graphs: Graphs) -> Outcome:
     """Look there, unless one that was offered lies there: then that is asked."""
     graph = next((graphs.get(text) for text in heard.texts), None)
     if graph is None or not graph.relations or not scene.is_class(graph):
-        return Outcome("search_again")
+        return Outcome("search_again", repeat=NO_PLACE.search(heard.said) is not None)
     there = [one for one in scene.ids if scene.verdict(graph, one) == "holds"]
     return Outcome("ask_again", about=there) if there else Outcome("search_again")
 
