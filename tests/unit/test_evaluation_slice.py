@@ -7,11 +7,14 @@ error models, captions, parser or mapper that moves a figure by more than the to
 from __future__ import annotations
 
 import importlib.util
+import json
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
 import doro_sim_feeder
+from doro_console.__main__ import main
 from doro_evaluation.chain import ERROR_MODELS, Language, Room, count_instances, load_room
 from doro_evaluation.conceptgraphs import count_like_conceptgraphs
 from doro_evaluation.counting import measure
@@ -107,6 +110,25 @@ def test_the_slice_gives_the_frozen_figures(
     monkeypatch.setattr("doro_evaluation.runs.load_room", never)
     kept = [one for some in run_jobs(jobs, context, workers=1) for one in some]
     assert kept == outcomes
+
+
+@needs_render
+def test_the_command_writes_figures_plot_and_failures(folder: Path, tmp_path: Path) -> None:
+    options = ["--part", "validation", "--errors", "gt", "--rooms", "1", "--workers", "1"]
+    files = ["--json", "f.json", "--plot", "f.png", "--failures", "wrong.jsonl"]
+    paths = [str(tmp_path / name) if "." in name else name for name in files]
+    places = ["--set", str(folder), "--out", str(tmp_path / "out")]
+    done = CliRunner().invoke(main, ["eval", "counting", *options, *places, *paths])
+    assert done.exit_code == 0, done.output
+    report = json.loads((tmp_path / "f.json").read_text())
+    assert report["command"].startswith("doro eval counting --part validation --errors gt")
+    assert report["figures"]["counting/ours/gt/recordings"] == 1
+    assert 0.9 <= report["figures"]["counting/ours/gt/average/f1"] <= 1
+    assert (tmp_path / "f.png").read_bytes().startswith(b"\x89PNG")
+    assert (tmp_path / "wrong.jsonl").exists()
+    refused = CliRunner().invoke(main, ["eval", "counting", *places, "--part", "validation",
+                                        "--errors", "gt,xy"])  # fmt: skip
+    assert refused.exit_code == 1
 
 
 def test_a_perfect_answer_scores_one(kitchen: Room) -> None:
