@@ -11,6 +11,7 @@ from doro_console.lines import load_nlu
 from doro_dialogue.answer_lines import answer_record
 from doro_dialogue.decision import decide
 from doro_dialogue.facts import Candidate
+from doro_dialogue.matching import compare_value
 from doro_dialogue.question import compose
 from doro_dialogue.wording import Part, Question
 from doro_nlu.core import Nlu
@@ -111,3 +112,21 @@ def test_the_same_words_in_a_sentence_mean_the_same_or_are_asked_about(nlu: Nlu)
             again += got["target"] is None
     assert resolved > 600
     assert again <= 0.02 * resolved
+
+
+def test_a_word_that_is_true_of_nobody_is_never_a_target(nlu: Nlu) -> None:
+    """Colors and places that were not observed, in clauses or out of them."""
+    colors = ["purple", "yellow", "tan", "gold", "pink", "light blue", "black", "silver", "navy"]
+    answers = [*(f"the {one} one" for one in colors), "the one on the floor", "the one by the bath"]
+    checked = 0
+    for seed in range(600, 660):
+        said, seen, question = asked(seed)
+        for words in answers:
+            color = words.removeprefix("the ").removesuffix(" one")
+            own = [one.graph.attributes.get("color", "") for one in seen]
+            if any(compare_value(color, value) != "contradicted" for value in own if value):
+                continue
+            got = answer(nlu, said, seen, question, words)
+            assert got["target"] is None, (question.wordings[0], words, got)
+            checked += 1
+    assert checked > 400
