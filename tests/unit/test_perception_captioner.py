@@ -103,13 +103,25 @@ def picture(side_px: int = 320) -> RgbImage:
 
 
 def settings(folder: Path, **values: object) -> PerceptionSettings:
-    return PerceptionSettings(backend="captioner", captioner=str(folder), **values)
+    """The tiny proposer sees the same boxes in a mirrored image: it is looked at in one test."""
+    given = {"mirror": False, **values}
+    return PerceptionSettings(backend="captioner", captioner=str(folder), **given)
 
 
 def test_boxes_of_one_place_are_one_thing_with_both_opinions(folder: Path) -> None:
     found = Captioner(settings(folder)).propose(picture())
     assert np.allclose(found.boxes, BOXES[0, [0, 2, 3]])  # and a box of no size is none
     assert found.opinions[0, [CUP, BOWL]] == pytest.approx([0.8, 0.7])
+
+
+def test_the_mirrored_image_is_looked_at_and_mirrored_back(folder: Path) -> None:
+    found = Captioner(settings(folder, mirror=True)).propose(picture())
+    both = np.vstack([BOXES[0, [0, 2, 3]], BOXES[0, [0, 2, 3]][:, [2, 1, 0, 3]]])
+    both[3:, [0, 2]] = 320 - both[3:, [0, 2]]
+    # (120..200 is its own mirror image.)
+    assert len(found.boxes) == 5
+    for box in both:
+        assert np.abs(found.boxes - box).max(axis=1).min() <= 2
 
 
 def test_named_and_nameless_things_with_distributions(folder: Path) -> None:

@@ -125,28 +125,23 @@ class Captioner:
     def propose(self, rgb: RgbImage) -> Candidates:
         """Return the places that may hold a thing, merged over classes, best first."""
         image, scale = fitted(rgb)
-        boxes, scores, kinds = self._proposer.run(
-            ["boxes", "scores", "kinds"], {"image": image[None]}
-        )
-        if (
-            boxes.shape[2:] != (4,)
-            or scores.shape != boxes.shape[:2]
-            or kinds.shape != scores.shape
-        ):
-            raise Refused(
-                f"model {self._proposer.path.name} gives boxes {boxes.shape}, scores"
-                f" {scores.shape} and kinds {kinds.shape}, which do not fit together: {ADVICE}"
-            )
-        score = np.nan_to_num(scores[0].astype(np.float64))
+        raw, score, kind = self._peaks(image)
+        if self._settings.mirror:
+            # Beside the mirrored image lies the padding of a wide or high one: mirror all of it.
+            other, more, kinds = self._peaks(np.ascontiguousarray(image[:, ::-1]))
+            turned = np.column_stack([SIDE_PX - other[:, 2], other[:, 1]])
+            turned = np.column_stack([turned, SIDE_PX - other[:, 0], other[:, 3]])
+            raw, score = np.vstack([raw, turned]), np.concatenate([score, more])
+            kind = np.concatenate([kind, kinds])
         good = np.flatnonzero(
             (score >= self._settings.candidate_score)
-            & np.isfinite(boxes[0]).all(axis=1)
-            & (kinds[0] >= 0)
-            & (kinds[0] <= UNNAMED)
+            & np.isfinite(raw).all(axis=1)
+            & (kind >= 0)
+            & (kind <= UNNAMED)
         )
         order = good[np.argsort(-score[good], kind="stable")]
         limits = np.array([rgb.shape[1], rgb.shape[0]] * 2, np.float64)
-        places = np.clip(boxes[0].astype(np.float64) / scale, 0, limits)
+        places = np.clip(raw / scale, 0, limits)
         kept: list[int] = []
         opinions: list[FloatArray] = []
         for k in order.tolist():
@@ -156,27 +151,48 @@ class Captioner:
             same = int(overlaps.argmax())
             if overlaps[same] > SAME_PLACE_IOU:
                 row = opinions[same]
-                row[kinds[0, k]] = max(row[kinds[0, k]], score[k])
+                row[kind[k]] = max(row[kind[k]], score[k])
             elif len(kept) < self._settings.max_boxes:
                 row = np.full(UNNAMED + 1, FLOOR)
-                row[kinds[0, k]] = score[k]
+                row[kind[k]] = score[k]
                 kept.append(k)
                 opinions.append(row)
         return Candidates(places[kept], np.asarray(opinions).reshape(-1, UNNAMED + 1))
 
-    def read(self, rgb: RgbImage, boxes: FloatArray) -> Read:
-        """Return what the crop net says of each box."""
-        crops = np.stack([cut_out(rgb, box) for box in boxes])
-        logits: list[Any] = self._crops.run(["kind", "color", "material"], {"crops": crops})
-        widths = (NOTHING + 1, len(COLOURS), len(MATERIALS))
-        if any(item.shape != (len(boxes), n) for item, n in zip(logits, widths, strict=True)):
+    def _peaks(self, image: RgbImage) -> tuple[FloatArray, FloatArray, NDArray[np.int64]]:
+        """Return boxes (n, 4) in pixels of the input, scores and kinds (n,) of one look."""
+        boxes, scores, kinds = self._proposer.run(
+            ["boxes", "scores", "kinds"], {"image": image[None]}
+        )
+        if boxes.shape != (*scores.shape, 4) or kinds.shape != scores.shape:
             raise Refused(
-                f"model {self._crops.path.name} gives {[item.shape for item in logits]} for"
-                f" {len(boxes)} crops, not {widths} columns: {ADVICE}"
+                f"model {self._proposer.path.name} gives boxes {boxes.shape}, scores"
+                f" {scores.shape} and kinds {kinds.shape}, which do not fit together: {ADVICE}"
             )
+        score: FloatArray = np.nan_to_num(scores[0].astype(np.float64))
+        return boxes[0].astype(np.float64), score, kinds[0]
+
+    def read(self, rgb: RgbImage, boxes: FloatArray) -> Read:
+        """Return what the crop net says of each box, and of its mirror image."""
+        crops = np.stack([cut_out(rgb, box) for box in boxes])
+        logits = self._logits(crops)
+        if self._settings.mirror:
+            other = self._logits(np.ascontiguousarray(crops[:, :, ::-1]))
+            logits = [(a + b) / 2 for a, b in zip(logits, other, strict=True)]
         use = self.calibration
         heat = (use.temperature, use.color_temperature, use.material_temperature)
         return Read(*(softmax(item / t) for item, t in zip(logits, heat, strict=True)))
+
+    def _logits(self, crops: NDArray[np.uint8]) -> list[Any]:
+        """Return logits of class, colour and material of crops."""
+        logits: list[Any] = self._crops.run(["kind", "color", "material"], {"crops": crops})
+        widths = (NOTHING + 1, len(COLOURS), len(MATERIALS))
+        if any(item.shape != (len(crops), n) for item, n in zip(logits, widths, strict=True)):
+            raise Refused(
+                f"model {self._crops.path.name} gives {[item.shape for item in logits]} for"
+                f" {len(crops)} crops, not {widths} columns: {ADVICE}"
+            )
+        return logits
 
     def fuse(self, found: Candidates, seen: Read) -> tuple[FloatArray, FloatArray]:
         """Return class probabilities (n, classes + 2) and calibrated scores (n,).

@@ -85,6 +85,7 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
         captioner_leave_out: canonical names of classes that the captioner is not to report.
         captioner_threshold: calibrated scores below it are not reported as detections.
         candidate_score: proposals below it are not looked at.
+        mirror: the captioner looks at the mirrored image and crops as well.
         max_boxes: at most so many proposals of a frame are looked at, the best ones.
         unnamed_threshold: what is surely there and has no name is reported from here on; above
             1: never.
@@ -121,6 +122,7 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     captioner_leave_out: tuple[str, ...] = ("window",)
     captioner_threshold: float = 0.35
     candidate_score: float = 0.08
+    mirror: bool = True
     max_boxes: int = 20
     unnamed_threshold: float = 0.5
     attribute_threshold: float = 0.5
