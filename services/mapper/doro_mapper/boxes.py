@@ -29,7 +29,7 @@ def distance(a: Boxes, b: Boxes, range_m: Floats) -> Floats:
 
     The smaller of two: centre distance ``sqrt((dh/(1.3 r_h + m))^2 + (dv/(1.3 r_v + m))^2)``
     with the larger half extents and m = 0.10 + 0.015 range, and ``0.5 + 1 - share`` where
-    share of ``a`` lies inside ``b``. Below 1 is near.
+    share of ``a`` lies inside ``b``, if any. Below 1 is near.
     """
     size_a, size_b = a.high_m - a.low_m, b.high_m - b.low_m
     offset = np.abs(a.center_m[:, None] - b.center_m[None])
@@ -44,7 +44,7 @@ def distance(a: Boxes, b: Boxes, range_m: Floats) -> Floats:
     low_a, high_a = a.low_m[:, None] - 0.01, a.high_m[:, None] + 0.01
     overlap = np.minimum(high_a, b.high_m[None] + slack) - np.maximum(low_a, b.low_m[None] - slack)
     share = np.prod(np.clip(overlap, 0, None) / (high_a - low_a), axis=-1)
-    out: Floats = np.minimum(centered, CONTAINED + 1 - share)
+    out: Floats = np.minimum(centered, np.where(share > 0, CONTAINED + 1 - share, np.inf))
     return out
 
 

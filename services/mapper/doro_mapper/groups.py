@@ -21,6 +21,8 @@ from doro_mapper.views import Bools, Floats, Views
 from doro_mapper.votes import Votes, merged
 
 GROWTH = 1.25
+LABEL_GATE = 0.5
+LABEL_REACH = 0.35
 MOVED_M = 0.02
 MOVED_SHARE = 0.05
 MAX_LOST = 256
@@ -127,6 +129,9 @@ class Groups:
         heads = np.array([self._head[row] for row in rows.tolist()])
         same = heads[np.searchsorted(rows, changed), None] == heads[None]
         near = same & ((gaps < MERGE_FAR_GATE) | (apart <= reach))
+        near |= (gaps < LABEL_GATE) & (
+            apart <= LABEL_REACH * np.minimum(size[:, None], other[None])
+        )
         near &= changed[:, None] != rows[None]
         self._near[changed[:, None], rows] = near
         self._near[rows[:, None], changed] = near.T
@@ -153,6 +158,7 @@ class Groups:
             return
         cluster = Cluster(rows, table, self._views, self._votes)
         cluster.merge()
+        cluster.fuse_labels()
         gone = cluster.prune()
         groups = {id(item): Group(item, None, []) for item in cluster.items}
         for item, readings in gone:

@@ -20,6 +20,8 @@ FURNITURE_M = 0.6
 ABOVE_GAP_M = 0.15
 TALLEST_M = 1.4
 CORNER_GAP_M = 0.3
+PAD_M = 0.01
+ONE_PLACE_IOU = 0.4
 Shape = tuple[Floats, Floats, Floats, Floats, Floats, Floats]
 
 
@@ -113,6 +115,20 @@ def one_above(a: Item, b: Item) -> bool:
     apart = float(np.hypot(*(a.center_m - b.center_m)[:2]))
     gap_up = max(a.low_m[2] - b.high_m[2], b.low_m[2] - a.high_m[2])
     return apart <= footprint and gap_up <= ABOVE_GAP_M and float((high - low)[2]) <= TALLEST_M
+
+
+def one_place(items: list[Item]) -> Bools:
+    """Tell which pairs fill the same place, (n, n): two solid things cannot.
+
+    Volumes are compared with 1 cm around them, so that thin things have one.
+    """
+    low = np.array([item.low_m for item in items]) - PAD_M
+    high = np.array([item.high_m for item in items]) + PAD_M
+    overlap = np.minimum(high[:, None], high[None]) - np.maximum(low[:, None], low[None])
+    both = np.clip(overlap, 0, None).prod(axis=2)
+    volume = (high - low).prod(axis=1)
+    share = both / (volume[:, None] + volume[None] - both)
+    return np.asarray(share >= ONE_PLACE_IOU)
 
 
 def agree(a: Item, b: Item) -> bool:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from doro_mapper.boxes import covered
-from doro_mapper.finder import NEVER
+from doro_mapper.finder import NEVER, names_agree
 from doro_mapper.items import (
     CORNER_GAP_M,
     FURNITURE_M,
@@ -21,6 +21,7 @@ from doro_mapper.items import (
     in_reach,
     item_of,
     one_above,
+    one_place,
     strength,
 )
 from doro_mapper.robust import robust_geometry
@@ -40,6 +41,8 @@ PRUNE_RATIO = 3.0
 EXPLAIN_COVER = 0.5
 EXPLAIN_RATIO = 4.0
 MERGED_KEPT = 64
+LABEL_HITS = 2
+LABEL_VIEWS = 4
 CORNER_HITS, CORNER_SHARE = 3, 0.1
 CORNER_CUT = 0.5
 
@@ -91,6 +94,26 @@ class Cluster:
                 return i, j, decision
             refused[i, j] = refused[j, i] = True
         return None
+
+    def fuse_labels(self) -> None:
+        """Merge things of different classes that are one thing with a flickering label.
+
+        They fill the same place, so that what sees one should see the other, and no view of
+        several saw both.
+        """
+        if len(self.items) < 2:
+            return
+        for i, j in np.argwhere(np.triu(one_place(self.items), 1)).tolist():
+            larger, smaller = self.items[i], self.items[j]
+            if larger is smaller or names_agree(larger.look[0], smaller.look[0]):
+                continue
+            if min(larger.hits, smaller.hits) < LABEL_HITS:
+                continue
+            either = int((larger.seen | smaller.seen).sum())
+            if either >= LABEL_VIEWS and not (larger.seen & smaller.seen).any():
+                joined = self._joined(larger, smaller, measured=True)
+                self.items = [joined if item in (larger, smaller) else item for item in self.items]
+        self.items = list({id(item): item for item in self.items}.values())
 
     def _may_merge(self, larger: Item, smaller: Item, gap: float, together: int) -> bool | None:
         """Return None for no; else whether the smaller one's geometry is taken over."""
