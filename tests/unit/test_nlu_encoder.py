@@ -47,8 +47,8 @@ def test_fresh_sentences_are_mostly_right(tagger: str, most: int) -> None:
 
 
 def test_the_vocabulary_tells_the_kind_of_tagger() -> None:
-    assert isinstance(load_tagger(), BiLstmTagger)
-    assert isinstance(load_tagger(None, "default"), EncoderTagger)
+    assert isinstance(load_tagger(None, "bilstm"), BiLstmTagger)
+    assert isinstance(load_tagger(), EncoderTagger)
     assert isinstance(load_tagger(MODEL), EncoderTagger)
 
 

@@ -21,7 +21,7 @@ from doro_schemas.messages.base import MAX_TEXT_CHARS
 
 @pytest.fixture(scope="module")
 def nlu() -> Nlu:
-    return Nlu(NluSettings())
+    return Nlu(NluSettings(tagger="bilstm"))
 
 
 @pytest.mark.parametrize(("text", "graph", "task"), MUST)

@@ -50,6 +50,6 @@ def test_a_long_sentence_goes_in_several_rows_no_word_lost() -> None:
 
 
 def test_unknown_tagger_is_refused() -> None:
-    assert NluSettings().tagger == "bilstm"
+    assert NluSettings().tagger == "default"
     with pytest.raises(Refused, match="no tagger is called 'bert'"):
         load_tagger(None, "bert")

@@ -117,7 +117,7 @@ class _Kind(msgspec.Struct, frozen=True):
     pieces: list[str] | None = None
 
 
-def load_tagger(directory: Path | None = None, name: str = "bilstm") -> Tagger:
+def load_tagger(directory: Path | None = None, name: str = "default") -> Tagger:
     """Return a tagger: that of a directory (its vocabulary tells the kind), else a shipped one.
 
     Args:

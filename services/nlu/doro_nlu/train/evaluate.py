@@ -125,7 +125,7 @@ def main() -> None:
     """Print the table of a tagger."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--model", type=Path, help="directory of a model; default: the shipped one")
-    parser.add_argument("--tagger", default="bilstm", help="of the shipped ones")
+    parser.add_argument("--tagger", default="default", help="of the shipped ones")
     parser.add_argument("--gold", type=Path, help="labelled sentences; default: held-out templates")
     parser.add_argument("--seed", type=int, default=7)
     arguments = parser.parse_args()

@@ -34,7 +34,7 @@ def _lstm_weights(layer: torch.nn.LSTM, name: str) -> dict[str, NDArray[np.float
 def _weights(model: BiLstm) -> list[onnx.TensorProto]:
     hidden = model.layer1.hidden_size
     arrays: dict[str, NDArray[np.generic]] = {
-        "words.w": model.table().detach().numpy(),
+        "words.w": model.words.weight.detach().numpy(),
         "chars.w": model.chars.weight.detach().numpy(),
         "conv.w": model.conv.weight.detach().numpy(),
         "conv.b": model.conv.bias.detach().numpy(),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import torch
 from torch import Tensor, nn
-from torch.nn import functional
 from torch.nn.utils.rnn import pack_padded_sequence, pad_packed_sequence
 
 from doro_nlu.features import FIRST_FREE, PAD, UNKNOWN
@@ -17,8 +16,7 @@ class BiLstm(nn.Module):  # type: ignore[misc, unused-ignore]
         n_words, n_chars, n_labels: sizes of the tables.
         hidden: units per direction of each of the two layers.
         unknown_share: share of words that training shows as unknown.
-        vectors: (n_words - FIRST_FREE, d) pretrained word vectors; they stay as they are, a
-            trained linear map follows. None = a trained table.
+        vectors: (n_words - FIRST_FREE, d) pretrained word vectors to begin with; None = random.
     """
 
     def __init__(
@@ -34,21 +32,16 @@ class BiLstm(nn.Module):  # type: ignore[misc, unused-ignore]
         super().__init__()
         self.unknown_share = unknown_share
         width = 48 if vectors is None else vectors.shape[1]
-        free = n_words if vectors is None else FIRST_FREE
-        self.words = nn.Embedding(free, width, padding_idx=PAD)
-        self.register_buffer("vectors", torch.zeros(0, width) if vectors is None else vectors)
-        self.project = nn.Identity() if vectors is None else nn.Linear(width, 48, bias=False)
+        self.words = nn.Embedding(n_words, width, padding_idx=PAD)
+        if vectors is not None:
+            with torch.no_grad():
+                self.words.weight[FIRST_FREE:] = vectors
         self.chars = nn.Embedding(n_chars, 16, padding_idx=PAD)
         self.conv = nn.Conv1d(16, 96, kernel_size=3, padding=1)
-        self.layer1 = nn.LSTM(48 + 96, hidden, batch_first=True, bidirectional=True)
+        self.layer1 = nn.LSTM(width + 96, hidden, batch_first=True, bidirectional=True)
         self.layer2 = nn.LSTM(2 * hidden, hidden, batch_first=True, bidirectional=True)
         self.dropout = nn.Dropout(0.3)
         self.head = nn.Linear(2 * hidden, n_labels)
-
-    def table(self) -> Tensor:
-        """Return the word table (n_words, 48) as the layers see it."""
-        result: Tensor = self.project(torch.cat([self.words.weight, self.vectors]))
-        return result
 
     def forward(self, word_ids: Tensor, char_ids: Tensor, lengths: Tensor) -> Tensor:
         """Return the logits; what lies beyond a sentence's length means nothing."""
@@ -58,7 +51,7 @@ class BiLstm(nn.Module):  # type: ignore[misc, unused-ignore]
         b, t, w = char_ids.shape
         letters = self.chars(char_ids.reshape(b * t, w)).transpose(1, 2)
         shapes = torch.relu(self.conv(letters).amax(dim=2)).reshape(b, t, -1)
-        x = self.dropout(torch.cat([functional.embedding(word_ids, self.table()), shapes], dim=2))
+        x = self.dropout(torch.cat([self.words(word_ids), shapes], dim=2))
         for layer in (self.layer1, self.layer2):
             packed = pack_padded_sequence(x, lengths, batch_first=True, enforce_sorted=False)
             x, _ = pad_packed_sequence(layer(packed)[0], batch_first=True, total_length=t)
