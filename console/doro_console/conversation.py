@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+import uuid
 
 from doro_schemas.bus import Bus
 from doro_schemas.errors import Refused
@@ -21,10 +22,14 @@ CONFIRM_TIMEOUT_S = 5.0
 
 
 class Conversation:
-    """Keeps what was understood and asked since it was opened."""
+    """Keeps what was understood and asked since it was opened.
+
+    Others may talk on the same bus: only what answers this person is kept.
+    """
 
     def __init__(self, bus: Bus) -> None:
         self._bus = bus
+        self._person = f"{bus.name}-{uuid.uuid4().hex[:8]}"
         self.parsed: list[InstructionGraph] = []
         self.queries: list[Query] = []
         self.targets: list[Target] = []
@@ -39,7 +44,7 @@ class Conversation:
             Refused: the text is refused, or nobody heard it.
         """
         try:
-            instruction = Instruction(text=text, stamp_ns=time.time_ns())
+            instruction = Instruction(text=text, person=self._person, stamp_ns=time.time_ns())
         except ValueError as error:
             raise Refused(str(error)) from error
         count, refusals = len(self.parsed), len(self.rejected)
@@ -61,10 +66,16 @@ class Conversation:
             Refused: the answer is refused, or nobody took it.
         """
         try:
-            answer = Answer(text=text, dialogue_id=query.dialogue_id, stamp_ns=time.time_ns())
+            answer = Answer(
+                text=text,
+                dialogue_id=query.dialogue_id,
+                person=self._person,
+                stamp_ns=time.time_ns(),
+            )
         except ValueError as error:
             raise Refused(str(error)) from error
-        count, refusals, targets = len(self.queries), len(self.rejected), len(self.targets)
+        count, refusals = len(self.queries), len(self.rejected)
+        targets = len(self._targets_in(query))
         self._bus.publish(answer)
         deadline_s = time.monotonic() + timeout_s
         self._bus.run_until(
@@ -79,18 +90,20 @@ class Conversation:
         if reply.reason in ("answered", "unique_match"):
             # A target follows each clause's instances on its own key.
             wanted = targets + sum(len(clause.instance_ids) for clause in reply.clauses)
-            self._bus.run_until(deadline_s, lambda: len(self.targets) >= wanted)
-        return reply, self.targets[targets:]
+            self._bus.run_until(deadline_s, lambda: len(self._targets_in(query)) >= wanted)
+        return reply, self._targets_in(query)[targets:]
 
     def targets_of(self, query: Query, timeout_s: float) -> list[Target]:
         """Return the targets of a confirmation; none where they do not come in time."""
 
         def found() -> list[Target]:
-            same = [one for one in self.targets if one.dialogue_id == query.dialogue_id]
-            return [one for one in same if one.instance_id in query.matches]
+            return [one for one in self._targets_in(query) if one.instance_id in query.matches]
 
         self._bus.run_until(time.monotonic() + timeout_s, lambda: bool(found()))
         return found()
+
+    def _targets_in(self, query: Query) -> list[Target]:
+        return [one for one in self.targets if one.dialogue_id == query.dialogue_id]
 
     def wait_for_query(self, count: int, timeout_s: float) -> Query | None:
         """Return the latest query once there are ``count``; None if they do not come in time."""
@@ -99,9 +112,11 @@ class Conversation:
 
     def _heard(self, message: Message) -> None:
         if isinstance(message, InstructionGraph):
-            self.parsed.append(message)
+            if message.person == self._person:
+                self.parsed.append(message)
         elif isinstance(message, Query):
-            self.queries.append(message)
+            if message.person == self._person:
+                self.queries.append(message)
         elif isinstance(message, Target):
             self.targets.append(message)
         elif isinstance(message, Rejected):

@@ -20,9 +20,17 @@ def check_text(text: str, what: str) -> None:
 
 
 class Instruction(Message, kw_only=True):
-    """What the person said. Plain UTF-8 on the same key becomes one of these."""
+    """What the person said. Plain UTF-8 on the same key becomes one of these.
+
+    Attributes:
+        text: the words.
+        person: who said it, where several talk at once; comes back in graph and Query.
+    """
+
+    ADDED: ClassVar[dict[str, object]] = {"person": ""}
 
     text: str
+    person: str = ""
 
     def __post_init__(self) -> None:
         check_text(self.text, "instruction")
@@ -66,7 +74,15 @@ class Parsed(Message, kw_only=True):
 
 
 class InstructionGraph(Parsed, kw_only=True):
-    """An instruction and its input graph; fields as in :class:`Parsed`."""
+    """An instruction and its input graph; fields as in :class:`Parsed`.
+
+    Attributes:
+        person: as in :class:`Instruction`.
+    """
+
+    ADDED: ClassVar[dict[str, object]] = {**Parsed.ADDED, "person": ""}
+
+    person: str = ""
 
 
 class ParseRequest(Message, kw_only=True):

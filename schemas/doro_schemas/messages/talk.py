@@ -62,6 +62,7 @@ class Query(Message, kw_only=True):
         early: raised before the exploration had finished.
         seen_from: the view in which left and right are meant; None where no side is named.
         also: instances that the text mentions without offering them, with their evidence.
+        person: who is asked: who gave the instruction; empty where that was not said.
     """
 
     ADDED: ClassVar[dict[str, object]] = {
@@ -71,6 +72,7 @@ class Query(Message, kw_only=True):
         "early": False,
         "seen_from": None,
         "also": [],
+        "person": "",
     }
 
     dialogue_id: str
@@ -91,6 +93,7 @@ class Query(Message, kw_only=True):
     early: bool = False
     seen_from: SeenFrom | None = None
     also: list[Clause] = []
+    person: str = ""
 
 
 class Belief(Message, kw_only=True):
@@ -122,10 +125,19 @@ class Belief(Message, kw_only=True):
 
 
 class Answer(Message, kw_only=True):
-    """The person's reply. Plain UTF-8 on the same key becomes one of these."""
+    """The person's reply. Plain UTF-8 on the same key becomes one of these.
+
+    Attributes:
+        text: the words.
+        dialogue_id: the dialogue that is answered; empty: the one that spoke last.
+        person: who answers; without a dialogue_id the last one that spoke to this person.
+    """
+
+    ADDED: ClassVar[dict[str, object]] = {"person": ""}
 
     text: str
     dialogue_id: str = ""
+    person: str = ""
 
     def __post_init__(self) -> None:
         check_text(self.text, "answer")

@@ -62,6 +62,7 @@ def query_of(
         unseen_share=reply.unseen_share,
         map_digest=reply.digest,
         frames_merged=reply.frames_merged,
+        person=instruction.person,
         seen_from=question.seen_from,
         also=clauses_of(question.also, reply.instances),
     )

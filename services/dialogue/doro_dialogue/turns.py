@@ -45,7 +45,8 @@ class Turns:
             Refused: no such dialogue, or it is finished, or nothing was asked.
         """
         if not message.dialogue_id:
-            asked = [one for one in talks if one.asks]
+            person = message.person
+            asked = [one for one in talks if one.asks and person in ("", one.instruction.person)]
             if asked:
                 return max(asked, key=lambda one: one.spoken)
             raise Refused(

@@ -74,6 +74,7 @@ class Nlu:
             InstructionGraph(
                 stamp_ns=message.stamp_ns,
                 episode=message.episode,
+                person=message.person,
                 text=reply.text,
                 task=reply.task,
                 tokens=reply.tokens,
