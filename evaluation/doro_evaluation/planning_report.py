@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure as Plot
+from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 from doro_evaluation.counting import measure
@@ -16,6 +17,7 @@ from doro_evaluation.figures import Figure
 from doro_evaluation.planning import DONE, ORDERS, PLANNED, RANDOM, RECORDED, THIRD, Point
 
 Statistic = Callable[[Sequence[Point]], float]
+SHORT = {PLANNED: "plan", RECORDED: "rec", RANDOM: "rand"}
 LOOK = {PLANNED: ("C0", "o-"), RECORDED: ("C2", "s--"), RANDOM: ("C1", "^-")}
 METRICS: dict[str, Statistic] = {
     "f1": lambda points: measure([point.outcome for point in points])["average/f1"],
@@ -92,21 +94,21 @@ def _percent(share: float) -> str:
 def table_of(points: Sequence[Point]) -> Table:
     """Return the table: a row per share of the views, each order's metrics."""
     recordings = len({point.outcome.recording for point in points})
-    table = Table(title=f"Counting after a part of the views, {recordings} recordings")
-    table.add_column("views", justify="right")
-    for order in ORDERS:
-        table.add_column(f"{order}\nF1", justify="right")
-    for order in ORDERS:
-        table.add_column(f"{order}\nexact", justify="right")
-    for order in ORDERS:
-        table.add_column(f"{order}\nseen", justify="right")
-    for order in ORDERS:
-        table.add_column(f"{order}\nway, m", justify="right")
+    table = Table(
+        title=f"Counting after a part of the views, {recordings} recordings", box=SIMPLE_HEAD
+    )
+    table.add_column("views", justify="right", no_wrap=True)
+    columns = {"f1": "F1", "accuracy": "exact", "coverage": "seen", "travel_m": "way, m"}
+    table.padding = (0, 0)
+    for title in columns.values():
+        for order in ORDERS:
+            head = title if order == ORDERS[0] else ""
+            table.add_column(f"{head}\n{SHORT[order]}", justify="right", no_wrap=True)
     for share in shares_of(points):
         cells = [f"{_percent(share)} %"]
-        for metric, form in (("f1", ".3f"), ("accuracy", ".3f"), ("coverage", ".3f")):
-            cells += [format(value(points, order, share, metric), form) for order in ORDERS]
-        cells += [format(value(points, order, share, "travel_m"), ".0f") for order in ORDERS]
+        for metric in columns:
+            form = ".0f" if metric == "travel_m" else ".3f"
+            cells += [f"{value(points, order, share, metric):{form}}" for order in ORDERS]
         table.add_row(*cells)
     return table
 
