@@ -94,6 +94,19 @@ def _core(settings: PerceptionSettings) -> Any:
     return Perception(settings, make_backend(settings, stages), stages=stages)
 
 
+def _timed(settings: PerceptionSettings) -> dict[str, Any]:
+    """Return the captioner's times, and print them."""
+    import numpy as np
+
+    from doro_evaluation.perception_speed import measure_speed
+
+    image = np.random.default_rng(7).integers(0, 256, (300, 300, 3), np.uint8)
+    figures = measure_speed([image], settings)
+    for key, value in figures.items():
+        click.echo(f"{key}: {value}")
+    return figures
+
+
 def _counted(common: Common, backend: str, rooms: int, views: int) -> dict[str, Any]:
     """Return the counting figures of rendered test rooms, and print them."""
     from rich.progress import track
@@ -127,6 +140,7 @@ def _counted(common: Common, backend: str, rooms: int, views: int) -> dict[str, 
 @click.option("--shared", type=FOLDER, default=Path("../shared/data"), show_default=True)
 @click.option("--chain", default=0, help="Count end to end in so many test rooms; slow.")
 @click.option("--views", default=60, show_default=True, help="Of each of these rooms, at most.")
+@click.option("--speed", is_flag=True, help="Time the captioner on 300 x 300 px, ten boxes.")
 @click.option("--plot", type=FILE, help="Where to draw the reliability plot (PNG).")
 @click.option("--json", "json_path", type=FILE, help="Where to write the figures.")
 @common_options
@@ -140,6 +154,7 @@ def perception(
     shared: Path,
     chain: int,
     views: int,
+    speed: bool,
     plot: Path | None,
     json_path: Path | None,
 ) -> None:
@@ -177,5 +192,7 @@ def perception(
         draw_reliability(plot, {one.name: one.detected.certain for one in measured})
     if chain:
         figures |= _counted(common, backend, chain, views)
+    if speed:
+        figures |= _timed(settings)
     command = f"doro eval perception --backend {backend} --frames {frames} --seed {seed}"
     write_figures(json_path, figures, command, seed)
