@@ -26,7 +26,6 @@ FILE = click.Path(path_type=Path, dir_okay=False)
 ALL_ERRORS = "gt,cs,cs+sd,cs+sd+fn,fp,all"
 FINDER_HELP = "Any of tracks, grid, paper_literal, conceptgraphs_like; separated by commas."
 WIDE = 150
-PARTS_OF_SET = {"test": ("paper", "extra")}
 
 
 class Options(msgspec.Struct, frozen=True, kw_only=True):
@@ -73,16 +72,22 @@ def show(table: Table) -> None:
     (console if console.is_terminal else Console(width=WIDE)).print(table)
 
 
-def ensure_set(options: Options, name: str, parts: Sequence[str], seed: int = 7) -> Path:
-    """Return the folder of a set; where it has no recording of the parts, they are rendered."""
+def ensure_set(options: Options, name: str, part: str, seed: int = 7) -> Path:
+    """Return the folder of a set, with what is missing of a part rendered.
+
+    A folder that was named and has recordings of the part is taken as it is.
+    """
+    from doro_evaluation.runs import PARTS
     from doro_sim_feeder.rooms.make_set import Render, make_set, write_manifest
-    from doro_sim_feeder.rooms.more_sets import plan_all, plan_part
+    from doro_sim_feeder.rooms.more_sets import plan_all
 
     folder = options.folder or options.out / name
-    rows = [row for part in parts for row in plan_part(part, seed)]
-    if any((folder / f"{row.name}.mcap").is_file() for row in rows):
+    rows = [row for row in plan_all(seed) if row.part in PARTS.get(part, (part,))]
+    there = sum((folder / f"{row.name}.mcap").is_file() for row in rows)
+    if not rows or (options.folder is not None and there):
         return folder
-    talk.print(f"no recording in {folder}: rendering {len(rows)} of them", markup=False)
+    if there < len(rows):
+        talk.print(f"{there} of {len(rows)} recordings in {folder}: rendering", markup=False)
     made = []
     with progress_bar() as progress:
         task = progress.add_task("rendering", total=len(rows))
@@ -157,7 +162,7 @@ def counting(
     from doro_evaluation.figures import write_figures
     from doro_evaluation.runs import Job, error_names, recordings_of, spread
 
-    folder = ensure_set(options, "set", PARTS_OF_SET.get(part, ("paper",)))
+    folder = ensure_set(options, "set", part)
     every = recordings_of(folder, part)
     found = spread(every, most)
     context = make_context(every, part, options)
@@ -197,7 +202,7 @@ def chairs(options: Options, part: str, errors: str, finders: str) -> None:
     from doro_evaluation.figures import write_figures
     from doro_evaluation.runs import Job, error_names, recordings_of
 
-    found = recordings_of(ensure_set(options, part, (part,)), part)
+    found = recordings_of(ensure_set(options, part, part), part)
     runs = tuple(
         (finder.strip(), name) for name in error_names(errors) for finder in finders.split(",")
     )
@@ -224,7 +229,7 @@ def stacks(
     from doro_evaluation.runs import error_names, recordings_of, spread
     from doro_evaluation.stacks import figures_of, run_stacks, table_of, write_failures
 
-    every = recordings_of(ensure_set(options, part, (part,)), part)
+    every = recordings_of(ensure_set(options, part, part), part)
     found, names = spread(every, most), error_names(errors)
     context = make_context(every, part, options)
     results = []

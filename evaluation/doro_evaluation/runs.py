@@ -44,10 +44,8 @@ SYSTEMS = {"tracks": "ours", "grid": "grid", "paper_literal": "paper_literal"}
 PARTS = {
     "test": ("default", "copies", "extra"),
     "paper": ("default", "copies"),
-    "validation": ("validation",),
-    "chairs": ("chairs", "chairs-tune"),
-    "stacks": ("stacks", "stacks-tune"),
 }
+"""What a name stands for that is no part of a set itself."""
 DEPENDS_ON = ("doro_schemas", "doro_perception", "doro_nlu", "doro_mapper")
 OWN_FILES = ("chain.py", "outcomes.py", "conceptgraphs.py")
 
