@@ -94,6 +94,24 @@ def _core(settings: PerceptionSettings) -> Any:
     return Perception(settings, make_backend(settings, stages), stages=stages)
 
 
+def _listed(path: Path, settings: PerceptionSettings) -> None:
+    """Print what the map holds after a recording; write a sheet of pictures beside the JSON."""
+    from doro_evaluation.perception_walk import draw_sheet, listed, map_of
+    from doro_perception.backends import make_backend
+    from doro_perception.stages import Stages
+    from doro_sim_feeder.recording import Recording
+
+    detector = make_backend(settings, Stages())
+    assert detector is not None
+    messages = (sample.message() for sample in Recording(path).samples())
+    found, colors = map_of(messages, detector, settings)
+    for row in listed(found):
+        click.echo(json.dumps(row))
+    sheet = Path("out/perception") / f"{path.stem}.png"
+    draw_sheet(sheet, found, colors)
+    click.echo(f"sheet: {sheet}")
+
+
 def _timed(settings: PerceptionSettings) -> dict[str, Any]:
     """Return the captioner's times, and print them."""
     import numpy as np
@@ -140,6 +158,7 @@ def _counted(common: Common, backend: str, rooms: int, views: int) -> dict[str, 
 @click.option("--shared", type=FOLDER, default=Path("../shared/data"), show_default=True)
 @click.option("--chain", default=0, help="Count end to end in so many test rooms; slow.")
 @click.option("--views", default=60, show_default=True, help="Of each of these rooms, at most.")
+@click.option("--recording", type=FILE, help="List all that the map holds after it, with a sheet.")
 @click.option("--speed", is_flag=True, help="Time the captioner on 300 x 300 px, ten boxes.")
 @click.option("--plot", type=FILE, help="Where to draw the reliability plot (PNG).")
 @click.option("--json", "json_path", type=FILE, help="Where to write the figures.")
@@ -154,6 +173,7 @@ def perception(
     shared: Path,
     chain: int,
     views: int,
+    recording: Path | None,
     speed: bool,
     plot: Path | None,
     json_path: Path | None,
@@ -192,6 +212,8 @@ def perception(
         draw_reliability(plot, {one.name: one.detected.certain for one in measured})
     if chain:
         figures |= _counted(common, backend, chain, views)
+    if recording is not None:
+        _listed(recording, _settings(common, backend, relations=False))
     if speed:
         figures |= _timed(settings)
     command = f"doro eval perception --backend {backend} --frames {frames} --seed {seed}"
