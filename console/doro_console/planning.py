@@ -9,7 +9,6 @@ from rich.console import Console
 
 from doro_console.counting import (
     FILE,
-    PARTS_OF_SET,
     Options,
     ensure_set,
     make_context,
@@ -45,7 +44,7 @@ def planning(
 
     if errors not in ERROR_MODELS:
         raise Refused(f"error model '{errors}' is unknown: use {', '.join(ERROR_MODELS)}")
-    every = recordings_of(ensure_set(options, "set", PARTS_OF_SET.get(part, ("paper",))), part)
+    every = recordings_of(ensure_set(options, "set", part), part)
     chosen = spread(every, most)
     shared = make_context(every, part, options)
     context = PlanningContext(
