@@ -7,6 +7,7 @@ import json
 import subprocess
 
 from doro_console.chat import run_chat
+from doro_console.conversation import Conversation
 from doro_schemas.bus import Bus
 from doro_schemas.messages import Answer, Target
 from doro_schemas.messages.base import Message
@@ -70,6 +71,31 @@ def test_instruction_query_answer_target(capsys) -> None:  # type: ignore[no-unt
         assert first.startswith("target: cup-")
         assert second.startswith("target: cup-")
         assert first != second
+
+
+def test_two_people_who_talk_at_once_are_two_dialogues() -> None:
+    with (
+        Chain() as chain,
+        Bus("ann", chain.settings) as ann_bus,
+        Bus("bob", chain.settings) as bob_bus,
+    ):
+        chain.play()
+        ann, bob = Conversation(ann_bus), Conversation(bob_bus)
+        ann.say("bring me the red cup")
+        bob.say("bring me a cup")
+        red, any_cup = ann.wait_for_query(1, 10.0), bob.wait_for_query(1, 10.0)
+        assert red is not None
+        assert any_cup is not None
+        assert red.dialogue_id != any_cup.dialogue_id
+        assert (red.instruction, any_cup.instruction) == ("bring me the red cup", "bring me a cup")
+        # The same words, crossed, and each means the own question.
+        said_bob, (meant_by_bob,) = bob.answer("the blue one", any_cup, 10.0)
+        said_ann, (meant_by_ann,) = ann.answer("the second one", red, 10.0)
+        assert meant_by_ann.dialogue_id == said_ann.dialogue_id == red.dialogue_id
+        assert meant_by_bob.dialogue_id == said_bob.dialogue_id == any_cup.dialogue_id
+        assert [meant_by_ann.instance_id] == red.clauses[1].instance_ids
+        assert meant_by_bob.graph.attributes["color"] == "blue"
+        assert (len(ann.queries), len(bob.queries)) == (2, 2)
 
 
 def test_doro_answer_on_stdin() -> None:

@@ -53,9 +53,10 @@ def test_a_kill_between_question_and_answer_loses_nothing() -> None:
         assert query.state == "INFORM-AMBIGUITY"
 
         # Two people: the second says something else, before the first has answered.
-        chain.say("find the toaster")
+        chain.say("bring me the white toaster")
         other = chain.query(2)
         assert other.dialogue_id != query.dialogue_id
+        assert other.state == "INFORM-MISMATCH"
 
         kill_and_start(chain)
         second = query.clauses[1]

@@ -221,6 +221,22 @@ def test_an_answer_without_an_id_goes_to_the_dialogue_that_spoke_last(nlu):
         room.answer("the first")
 
 
+def test_without_an_id_a_person_answers_the_own_question(nlu):
+    room = Room(nlu, world=[*WORLD, ObjectGraph("bowl", {"color": "black"})])
+    for person, graph in (("ann", CUP), ("bob", BOWL)):
+        message = InstructionGraph(text="bring it", graph=graph, person=person, stamp_ns=1)
+        (query,) = room.run(room.core.instruction_graph(message))
+        assert query.person == person
+
+    def answer(person: str, text: str) -> list[Output]:
+        return room.run(room.core.answer(Answer(text=text, person=person, stamp_ns=2)))
+
+    assert only(answer("ann", "the second"), Target)[0].instance_id == "cup-2"
+    with pytest.raises(Refused, match="nothing was asked that 'the first' could answer"):
+        answer("ann", "the first")
+    assert only(answer("bob", "the black one"), Target)[0].instance_id == "bowl-5"
+
+
 def test_an_answer_to_an_unknown_dialogue_is_refused(nlu):
     room = Room(nlu)
     with pytest.raises(Refused, match="nothing was asked"):
