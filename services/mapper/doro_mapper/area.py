@@ -172,7 +172,7 @@ class Area:
         """Put frames where corrected poses say that they were taken.
 
         Instances follow from the measurements kept; the hash maps are built again from
-        the points kept of each detection, coverage from the thumbnails.
+        12 points kept of each detection, coverage from the thumbnails.
 
         Returns:
             How many of the frames are known, and what that changed in the map.

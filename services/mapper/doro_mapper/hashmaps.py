@@ -24,6 +24,8 @@ from doro_schemas.graph import ObjectGraph, identity, without_relations
 from doro_schemas.messages import GraphEntry
 
 INITIAL_ROOM = 1024
+HASH_BATCH = 2048
+"""Changed cells that are hashed together: asking for the digest costs no more than these."""
 
 Ints = NDArray[np.int64]
 
@@ -68,6 +70,7 @@ class HashMaps:
         self._sum = np.zeros(2, np.uint64)
         self._hashed = np.zeros((INITIAL_ROOM, 2), np.uint64)
         self._unhashed: list[Ints] = []
+        self._waiting = 0
         self.cells_dropped = 0
         self.last_mass: Floats = np.zeros(0)
 
@@ -118,7 +121,7 @@ class HashMaps:
         self._weight[:] = self._frequency[:] = 0
         self._hashed[:] = 0
         self._sum[:] = 0
-        self._unhashed = []
+        self._unhashed, self._waiting = [], 0
         for serial in sorted(shots):
             one = shots[serial]
             self._add(one.graph_ids, one.placed(views.camera(serial)), sums=True)
@@ -159,6 +162,9 @@ class HashMaps:
         np.add.at(self._frequency, rows, 1)
         rows = np.unique(rows)
         self._unhashed.append(rows)
+        self._waiting += len(rows)
+        if self._waiting > HASH_BATCH:
+            self._hash()
         return rows
 
     def _found(self, graph_ids: Sequence[int], owner: Ints, places: Ints) -> Ints:
@@ -223,15 +229,7 @@ class HashMaps:
 
         Sums of hashes of single cells, so that only cells changed since are hashed again.
         """
-        if self._unhashed:
-            rows = np.unique(np.concatenate(self._unhashed))
-            self._unhashed = []
-            fresh = row_hashes(
-                np.column_stack([self._keys[rows], self._frequency[rows]]), self._weight[rows]
-            )
-            self._sum += fresh.sum(axis=0, dtype=np.uint64)
-            self._sum -= self._hashed[rows].sum(axis=0, dtype=np.uint64)
-            self._hashed[rows] = fresh
+        self._hash()
         state = hashlib.blake2b(digest_size=16)
         state.update(repr(self._edges_m.tolist()).encode())
         for number, graph in enumerate(self.graphs):
@@ -239,3 +237,15 @@ class HashMaps:
         state.update(self._sum.astype("<u8").tobytes())
         state.update(self.blocks.digest().astype("<u8").tobytes())
         return state.hexdigest()
+
+    def _hash(self) -> None:
+        """Bring the sum of hashes up to date."""
+        if not self._unhashed:
+            return
+        rows = np.unique(np.concatenate(self._unhashed))
+        self._unhashed, self._waiting = [], 0
+        counts = np.column_stack([self._keys[rows], self._frequency[rows]])
+        fresh = row_hashes(counts, self._weight[rows])
+        self._sum += fresh.sum(axis=0, dtype=np.uint64)
+        self._sum -= self._hashed[rows].sum(axis=0, dtype=np.uint64)
+        self._hashed[rows] = fresh
