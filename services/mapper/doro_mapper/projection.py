@@ -164,6 +164,12 @@ def _sorted_order(values: Floats, last: Bools) -> tuple[Ints, Ints]:
     return keys & 1023, keys >> 10
 
 
+def _along(values: NDArray[Any], at: Ints) -> NDArray[Any]:
+    """Return ``values[i, at[i, j]]``, as take_along_axis does for rows but in half the time."""
+    rows = np.arange(0, values.size, values.shape[1])[:, None]
+    return np.asarray(values.ravel().take(at + rows))
+
+
 def _windows(
     raster: _Raster, usable: Bools, index: Ints, mask: Floats, side_per_m: Floats
 ) -> _Windows:
@@ -175,24 +181,24 @@ def _windows(
     ok = usable[index]
     order, grains = _sorted_order(raster.depth_m[index], ~ok)
     count = ok.sum(axis=1)[:, None]
-    weight = np.take_along_axis(np.where(ok, mask, 0.0), order, 1)
+    weight = _along(np.where(ok, mask, 0.0), order)
     end = _window_ends(grains, count, side_per_m[:, None])
     total = np.zeros((len(index), grains.shape[1] + 1))
     np.cumsum(weight, axis=1, out=total[:, 1:])
     at = np.arange(grains.shape[1])
-    mass = np.where(at < count, np.take_along_axis(total, end, 1) - total[:, :-1], -1.0)
+    mass = np.where(at < count, _along(total, end) - total[:, :-1], -1.0)
     first = np.argmax(mass >= WINDOW_SHARE * mass.max(axis=1, keepdims=True), axis=1)[:, None]
-    near = (at >= first) & (at < np.take_along_axis(end, first, 1))
+    near = (at >= first) & (at < _along(end, first))
     best = np.argmax(np.where(near, mass, -1.0), axis=1)[:, None]
-    size = np.take_along_axis(end, best, 1) - best
+    size = _along(end, best) - best
     within = np.arange(int(size.max(initial=1)))
     inside = within < size
-    chosen = np.take_along_axis(order, np.minimum(best + within, at[-1]), 1)
+    chosen = _along(order, np.minimum(best + within, at[-1]))
 
     def gathered(values: Floats) -> Floats:
-        return np.take_along_axis(values[index], chosen, 1)
+        return _along(values[index], chosen)
 
-    kept = np.where(inside, np.take_along_axis(mask, chosen, 1), 0.0)
+    kept = np.where(inside, _along(mask, chosen), 0.0)
     depth = gathered(raster.depth_m)
     return _Windows(gathered(raster.u_px), gathered(raster.v_px), depth, kept, inside)
 
@@ -258,16 +264,16 @@ def _bounds(points: Floats, share: Floats, inside: Bools) -> Floats:
     columns = points.transpose(0, 2, 1).reshape(3 * n, m)
     outside = np.repeat(~inside, 3, axis=0)
     order, grains = _sorted_order(columns, outside)
-    mass = np.cumsum(np.take_along_axis(np.repeat(share, 3, axis=0), order, 1), axis=1)
+    mass = np.cumsum(_along(np.repeat(share, 3, axis=0), order), axis=1)
     last = np.repeat(inside.sum(axis=1) - 1, 3)
     picks: list[NDArray[Any]] = []
     for quantile in (0.05, 0.5, 0.95):
         at = np.minimum((mass < quantile).sum(axis=1), last)
-        picks.append(np.take_along_axis(grains, at[:, None], 1)[:, 0].astype(np.float64))
+        picks.append(_along(grains, at[:, None])[:, 0].astype(np.float64))
     for quantile in (OUTER_SHARE, 1 - OUTER_SHARE):
         place = quantile * last
         below = np.floor(place).astype(np.int64)
         above = np.minimum(below + 1, last)
-        pair = np.take_along_axis(grains, np.stack([below, above], axis=1), 1)
+        pair = _along(grains, np.stack([below, above], axis=1))
         picks.append(pair[:, 0] + (place - below) * (pair[:, 1] - pair[:, 0]))
     return (np.stack(picks, axis=1) / GRAIN_PER_M).reshape(n, 3, 5)
