@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 from doro_dialogue.facts import (
     ATTRIBUTE_ORDER,
+    IS_AT,
     IS_ON,
     MATERIAL,
     Attribute,
@@ -24,6 +25,9 @@ from doro_schemas.graph import ObjectGraph, Relation
 from doro_schemas.vocabulary import IRREGULAR_PLURAL, PAIRS
 
 RELATION_WORDS = {"is-on": "on top of", "is-near": "near", "is-at": "in"}
+FLAT = words("table desk top counter island floor wall window door")
+"""Landmarks that nothing is in: "from the table" comes back as "at the table"."""
+
 NUMBERS = (
     *("no", "one", "two", "three", "four", "five", "six"),
     *("seven", "eight", "nine", "ten", "eleven", "twelve"),
@@ -123,6 +127,8 @@ def _relation(relation: Relation) -> str:
         where = " on it" if relation.type == IS_ON else ""
         return f"with {definite(relation.target)}{where}"
     open_type = relation.type.removeprefix("is-").replace("-", " ")
+    if relation.type == IS_AT and _name(relation.target).split(" ")[-1] in FLAT:
+        return f"at {definite(relation.target)}"
     return f"{RELATION_WORDS.get(relation.type, open_type)} {definite(relation.target)}"
 
 
