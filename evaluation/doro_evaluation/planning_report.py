@@ -127,7 +127,8 @@ def plot(path: Path, points: Sequence[Point]) -> None:
         for order in ORDERS:
             color, style = LOOK[order]
             line = [value(points, order, share, metric) for share in shares]
-            axis.plot(across, line, style, color=color, label=order, markersize=4)
+            known = [(x, y) for x, y in zip(across, line, strict=True) if not math.isnan(y)]
+            axis.plot(*zip(*known, strict=True), style, color=color, label=order, markersize=4)
         low, high = _band(points, shares, metric)
         axis.fill_between(across, low, high, color=LOOK[RANDOM][0], alpha=0.2, linewidth=0)
         axis.axvline(100 * THIRD, color="gray", linewidth=0.8, linestyle=":")
