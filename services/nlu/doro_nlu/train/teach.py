@@ -1,8 +1,8 @@
 """A teacher's label probabilities on human sentences, for a smaller model to learn from.
 
-``python -m doro_nlu.train.teach --checkpoint RUN/checkpoint.pt --base DIR --texts FILE... --out
-SOFT.npz``. Kept are English sentences of which the parser can use every relation label, and which do not
-leave open whether a device is the target.
+``python -m doro_nlu.train.teach --checkpoint RUN/checkpoint.pt --base DIR --texts FILE...
+--out SOFT.npz``. Kept are English sentences of which the parser can use every relation label, and
+which do not leave open whether a device is the target.
 """
 
 from __future__ import annotations
