@@ -171,6 +171,21 @@ def test_an_empty_map_is_a_lost_map_and_takes_nothing_back():
     assert isinstance(ask.request, InstancesRequest)
 
 
+def test_without_an_open_question_a_lost_map_is_a_new_beginning(nlu):
+    """The whole system was started anew, and only the dialogue remembers."""
+    room = Room(nlu)
+    room.say()
+    room.answer("the red one")
+    core, _ = restarted(room.core)
+    (ask,) = core.instruction_graph(instruction(CUP))
+    assert isinstance(ask.request, InstancesRequest)
+    assert core.instances(reply(merged=0)) == []
+    assert core.exploration(started("other")) == []
+    (ask,) = core.exploration(finished("other"))
+    (query,) = core.instances(reply(RED_CUP, BLUE_CUP))
+    assert query.dialogue_id == "other/1"
+
+
 # --- silence -------------------------------------------------------------------------------
 
 

@@ -261,7 +261,7 @@ class Dialogue:
         talk, stamp_ns = pending.talk, pending.stamp_ns
         talk.asked -= 1
         if reply.frames_merged < self._state.frames:
-            self._lose_map(talk, reply)
+            return self._lose_map(talk, reply)
         self._state.frames = reply.frames_merged
         if talk.wait_for_map(reply, self._state.finished.frames - 1, self._settings.settle_asks):
             return [self._ask(talk, "decide", stamp_ns)]
@@ -274,19 +274,22 @@ class Dialogue:
         )
         return [*said, *again]
 
-    def _lose_map(self, talk: Talk, reply: Instances) -> None:
+    def _lose_map(self, talk: Talk, reply: Instances) -> list[Output]:
         """The mapper was started again: its empty map is no reason to take anything back.
 
         Raises:
-            Refused: always, for the operator.
+            Refused: for the operator, where a question is open; else all simply begins anew.
         """
-        frames, self._state.frames, self._state.phase = self._state.frames, 0, "none"
+        state = self._state
+        frames, state.frames, state.phase = state.frames, 0, "none"
         talk.stale = False
         self.counters["maps_lost"] += 1
+        if not any(one.asks for one in state.talks):
+            return []
         raise Refused(
             f"the map has {reply.frames_merged} frames and had {frames}: the mapper was started"
             " anew; what was asked stands, new instructions wait for the next exploration",
-            episode=self._state.episode,
+            episode=state.episode,
         )
 
     def _is_repeated(self, message: Message, what: str) -> bool:
