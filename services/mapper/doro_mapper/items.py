@@ -19,7 +19,7 @@ FURNITURE_M = 0.6
 """Things with a longer side are seen in part more often than whole."""
 ABOVE_GAP_M = 0.15
 TALLEST_M = 1.4
-CORNER_GAP_M = 0.3
+CORNER_GAP_M, CORNER_GAP_SHARE = 0.3, 0.35
 PAD_M = 0.01
 ONE_PLACE_IOU = 0.4
 Shape = tuple[Floats, Floats, Floats, Floats, Floats, Floats]

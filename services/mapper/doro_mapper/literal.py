@@ -101,7 +101,7 @@ class LiteralFinder:
         for region in sorted(pooled):
             labels.setdefault(pooled[region][0], []).append(region)
         return [
-            self._found(pooled[regions[0]][1], regions)
+            self._found([(region, pooled[region][1]) for region in regions])
             for _, regions in sorted(labels.items(), key=lambda item: -item[0])
         ]
 
@@ -124,17 +124,24 @@ class LiteralFinder:
             (int(a + corner[0]), int(b + corner[1])): float(merged[a, b]) for a, b in at.tolist()
         }
 
-    def _found(self, graph_map: GraphMap, regions: list[Region]) -> Found:
-        """Return an instance: the weighted middle of the cells in its regions."""
+    def _found(self, regions: list[tuple[Region, GraphMap]]) -> Found:
+        """Return an instance: the weighted middle of the cells in its regions.
+
+        Regions of equal score are one instance, even those of different graphs.
+        """
         settings = self._settings
         side = max(1, round(settings.region_m / settings.cell_m))
-        inside = set(regions)
+        graph_map = regions[0][1]
         own = [
             (a, b, weight, up)
-            for (a, b), (weight, up, _) in sorted(graph_map.cells.items())
-            if (a // side, b // side) in inside
+            for region, known in regions
+            for (a, b), (weight, up, _) in sorted(known.cells.items())
+            if (a // side, b // side) == region
         ]
-        table = np.array(own)
+        # As printed, a region without a cell may be given a score: its middle is all there is.
+        table = np.array(
+            own or [((a + 0.5) * side, (b + 0.5) * side, 1.0, 0.0) for (a, b), _ in regions]
+        )
         weight = table[:, 2] / table[:, 2].sum()
         ground = (table[:, :2] + 0.5) * settings.cell_m
         height = table[:, 3] / np.maximum(table[:, 2], 1e-12)

@@ -13,6 +13,7 @@ from doro_mapper.boxes import covered
 from doro_mapper.finder import NEVER, names_agree
 from doro_mapper.items import (
     CORNER_GAP_M,
+    CORNER_GAP_SHARE,
     FURNITURE_M,
     Item,
     Shape,
@@ -157,7 +158,8 @@ class Cluster:
         )
         size = larger.outer_high_m - larger.outer_low_m
         apart = float(np.linalg.norm(np.maximum(gap, 0)))
-        return float(size.max()) >= FURNITURE_M and apart <= CORNER_GAP_M
+        reach = max(CORNER_GAP_M, CORNER_GAP_SHARE * float(size.max()))
+        return float(size.max()) >= FURNITURE_M and apart <= reach
 
     def _joined(self, larger: Item, smaller: Item, measured: bool) -> Item:
         """Return both items as one."""
