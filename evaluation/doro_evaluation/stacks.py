@@ -231,11 +231,10 @@ def _link(upper: TrueInstance, lower: TrueInstance, partners: dict[str, Instance
     if instance is None:
         return f"{_word(upper.object_type)} not found in its place"
     holder = _holder(instance)
-    said = f"{holder.type} {holder.target.name}" if holder else "nothing"
     if holder is not None and holder.type == wanted and _fits(holder.target, lower):
         return ""
-    where = f"{wanted} {_word(lower.object_type)}"
-    return f"{_word(upper.object_type)} {said} in place of {where}"
+    looks = " ".join([*sorted(lower.attributes.values()), _word(lower.object_type)])
+    return f"{_word(upper.object_type)} {_said(holder)} in place of {wanted} {looks}"
 
 
 def _support(lowest: TrueInstance, partners: dict[str, Instance]) -> str:
@@ -246,12 +245,17 @@ def _support(lowest: TrueInstance, partners: dict[str, Instance]) -> str:
     holder, name = _holder(instance), _word(wanted.object_type)
     if holder is not None and (holder.type, holder.target.name) == (wanted.type, name):
         return ""
-    said = f"{holder.type} {holder.target.name}" if holder else "nothing"
-    return f"{_word(lowest.object_type)} {said} in place of {wanted.type} {name}"
+    return f"{_word(lowest.object_type)} {_said(holder)} in place of {wanted.type} {name}"
 
 
 def _holder(instance: Instance) -> Relation | None:
     return next((one for one in instance.graph.relations if one.type in HOLDERS), None)
+
+
+def _said(holder: Relation | None) -> str:
+    if holder is None:
+        return "nothing"
+    return " ".join([holder.type, *sorted(holder.target.attributes.values()), holder.target.name])
 
 
 def _fits(target: ObjectGraph, thing: TrueInstance) -> bool:

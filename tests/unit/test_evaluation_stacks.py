@@ -76,10 +76,10 @@ def test_right_means_counted_once_and_held_by_the_thing_below() -> None:
 @pytest.mark.parametrize(
     ("holder", "why"),
     [
-        (("is-on", "dining table", ""), "is-on dining table in place of is-on plate"),
-        (("is-at", "plate", ""), "is-at plate in place of is-on plate"),
-        (("is-on", "plate", "green"), "is-on plate in place of is-on plate"),
-        (None, "nothing in place of is-on plate"),
+        (("is-on", "dining table", ""), "is-on dining table in place of is-on red plate"),
+        (("is-at", "plate", ""), "is-at plate in place of is-on red plate"),
+        (("is-on", "plate", "green"), "is-on green plate in place of is-on red plate"),
+        (None, "nothing in place of is-on red plate"),
     ],
 )
 def test_another_holder_is_wrong(holder: tuple[str, str, str] | None, why: str) -> None:
