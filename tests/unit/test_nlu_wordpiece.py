@@ -53,5 +53,5 @@ def test_unknown_tagger_is_refused() -> None:
     assert NluSettings().tagger == "default"
     with pytest.raises(Refused, match="no tagger is called 'bert'"):
         load_tagger(None, "bert")
-    with pytest.raises(Refused, match="not shipped.*nlu.model_dir"):
+    with pytest.raises(Refused, match=r"not shipped.*nlu\.model_dir"):
         load_tagger(None, "bert-base")
