@@ -132,16 +132,16 @@ class LiteralFinder:
         settings = self._settings
         side = max(1, round(settings.region_m / settings.cell_m))
         graph_map = regions[0][1]
-        own = [
+        own: list[tuple[float, ...]] = [
             (a, b, weight, up)
             for region, known in regions
             for (a, b), (weight, up, _) in sorted(known.cells.items())
             if (a // side, b // side) == region
         ]
-        # As printed, a region without a cell may be given a score: its middle is all there is.
-        table = np.array(
-            own or [((a + 0.5) * side, (b + 0.5) * side, 1.0, 0.0) for (a, b), _ in regions]
-        )
+        if not own:
+            # As printed, a region without a cell may be given a score: its middle is all there is.
+            own = [((a + 0.5) * side, (b + 0.5) * side, 1.0, 0.0) for (a, b), _ in regions]
+        table = np.array(own)
         weight = table[:, 2] / table[:, 2].sum()
         ground = (table[:, :2] + 0.5) * settings.cell_m
         height = table[:, 3] / np.maximum(table[:, 2], 1e-12)
