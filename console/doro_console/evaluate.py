@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import click
@@ -27,22 +28,43 @@ def evaluate() -> None:
 @click.option("--gold", type=FILE, help="Labelled sentences: JSON lines with tokens and labels.")
 @click.option("--bert-base", type=FOLDER, help="A trained bert-base (it is not shipped).")
 @click.option("--seed", default=7, show_default=True, help="Of the generated test sentences.")
+@click.option("--speed/--no-speed", default=True, help="Times beside bert-base, memory, readiness.")
 @click.option("--json", "json_path", type=JSON, help="Where to write the figures.")
 @says_refusals
-def tagging(gold: Path | None, bert_base: Path | None, seed: int, json_path: Path | None) -> None:
-    """F1 per label of each tagger on templates never trained on (paper, Table I)."""
-    from doro_evaluation.figures import write_figures
-    from doro_evaluation.tagging import figures_of, load_taggers, score, table_of, test_sets
+def tagging(
+    gold: Path | None, bert_base: Path | None, seed: int, speed: bool, json_path: Path | None
+) -> None:
+    """F1 per label, whole graphs and speed of each tagger (paper, Table I).
 
-    taggers, sets = load_taggers(bert_base), test_sets(seed, gold)
-    reports = {}
+    The generated sentences are of templates that no training used.
+    """
+    from doro_evaluation import tagging_speed
+    from doro_evaluation.figures import write_figures
+    from doro_evaluation.tagging import SHIPPED, figures_of, load_taggers, score, table_of
+    from doro_evaluation.tagging import test_sets as make_sets
+
+    out = Console(width=None if sys.stdout.isatty() else 120)
+    taggers, sets = load_taggers(bert_base), make_sets(seed, gold)
+    shipped = {name: taggers[name] for name in SHIPPED}
+    reports, speeds = {}, {}
     with Progress(console=talk, transient=True) as progress:
         task = progress.add_task("tagging", total=len(taggers) * len(sets))
         for key, report in score(taggers, sets):
             reports[key] = report
             progress.update(task, advance=1)
-    Console().print(table_of(reports))
-    write_figures(json_path, figures_of(reports), f"doro eval tagging --seed {seed}", seed)
+    out.print(table_of(reports))
+    exact = tagging_speed.exact_graphs(shipped)
+    click.echo("\n".join(tagging_speed.exact_lines(exact)))
+    figures = figures_of(reports) | tagging_speed.exact_figures(exact)
+    if speed:
+        with Progress(console=talk, transient=True) as progress:
+            task = progress.add_task("speed, beside bert-base", total=len(shipped))
+            for name, one in tagging_speed.measure_speed(shipped, bert_base):
+                speeds[name] = one
+                progress.update(task, advance=1)
+        out.print(tagging_speed.speed_table(speeds))
+        figures |= tagging_speed.speed_figures(speeds)
+    write_figures(json_path, figures, f"doro eval tagging --seed {seed}", seed)
 
 
 for command in (counting, chairs, stacks, planning, queries):

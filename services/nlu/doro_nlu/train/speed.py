@@ -166,10 +166,12 @@ def text_to_graph(tagger: Tagger) -> dict[str, Times]:
 
 def footprint(name: str) -> Footprint:
     """Return ready time and memory of a fresh process with the service's code and a tagger."""
+    # Not ru_maxrss: a process begins with its parent's.
     code = (
-        "import resource, time, doro_nlu.service; from doro_nlu.core import Nlu;"
+        "import re, time, doro_nlu.service; from doro_nlu.core import Nlu;"
         f" from doro_nlu.settings import NluSettings; Nlu(NluSettings(tagger={name!r}));"
-        " print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, time.process_time())"
+        " status = open('/proc/self/status').read();"
+        " print(re.search(r'VmHWM:\\s+([0-9]+)', status)[1], time.process_time())"
     )
     began = time.perf_counter()
     done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
