@@ -79,7 +79,7 @@ class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
     max_cells: int = 500_000
     coverage_cell_m: float = 0.25
     region_m: float = 0.5
-    gamma: float = 0.02
+    gamma: float = 0.2
     literal_index: Literal["id", "rank"] = "id"
     min_hits: int = 2
     min_hit_share: float = 0.25
