@@ -122,7 +122,8 @@ def _instruct(bus: Bus, conversation: Conversation, text: str) -> tuple[float, f
     """Return milliseconds from the instruction to its graph, and to its query."""
     graphs, queries = len(conversation.parsed), len(conversation.queries)
     started_s = time.perf_counter()
-    bus.publish(Instruction(text=text, stamp_ns=time.time_ns()))
+    instruction = Instruction(text=text, person=conversation.person, stamp_ns=time.time_ns())
+    bus.publish(instruction)
     deadline_s = time.monotonic() + QUERY_S
     bus.run_until(deadline_s, lambda: len(conversation.parsed) > graphs)
     graph_s = time.perf_counter()

@@ -24,12 +24,12 @@ CONFIRM_TIMEOUT_S = 5.0
 class Conversation:
     """Keeps what was understood and asked since it was opened.
 
-    Others may talk on the same bus: only what answers this person is kept.
+    Others may talk on the same bus: only what answers this ``person`` is kept.
     """
 
     def __init__(self, bus: Bus) -> None:
         self._bus = bus
-        self._person = f"{bus.name}-{uuid.uuid4().hex[:8]}"
+        self.person = f"{bus.name}-{uuid.uuid4().hex[:8]}"
         self.parsed: list[InstructionGraph] = []
         self.queries: list[Query] = []
         self.targets: list[Target] = []
@@ -44,7 +44,7 @@ class Conversation:
             Refused: the text is refused, or nobody heard it.
         """
         try:
-            instruction = Instruction(text=text, person=self._person, stamp_ns=time.time_ns())
+            instruction = Instruction(text=text, person=self.person, stamp_ns=time.time_ns())
         except ValueError as error:
             raise Refused(str(error)) from error
         count, refusals = len(self.parsed), len(self.rejected)
@@ -69,7 +69,7 @@ class Conversation:
             answer = Answer(
                 text=text,
                 dialogue_id=query.dialogue_id,
-                person=self._person,
+                person=self.person,
                 stamp_ns=time.time_ns(),
             )
         except ValueError as error:
@@ -112,10 +112,10 @@ class Conversation:
 
     def _heard(self, message: Message) -> None:
         if isinstance(message, InstructionGraph):
-            if message.person == self._person:
+            if message.person == self.person:
                 self.parsed.append(message)
         elif isinstance(message, Query):
-            if message.person == self._person:
+            if message.person == self.person:
                 self.queries.append(message)
         elif isinstance(message, Target):
             self.targets.append(message)
