@@ -30,10 +30,14 @@ HASH_BATCH = 2048
 Ints = NDArray[np.int64]
 
 
-def packed(places: NDArray[Any]) -> Ints:
-    """Return places (n, 3) as one integer each: cells within 2^20 of the origin, bands 2^10."""
+def packed(graph_ids: Ints, places: NDArray[Any]) -> Ints:
+    """Return (graph, cell a, cell b, band) as one integer each.
+
+    Exact for 65,536 graphs, cells within 2^17 of the origin and bands within 2^10.
+    """
     a, b, band = (places[:, k].astype(np.int64) for k in range(3))
-    return np.asarray((a << 32) + ((b + (1 << 20)) << 11) + (band + (1 << 10)))
+    ground = ((a + (1 << 17)) << 18) + b + (1 << 17)
+    return np.asarray((graph_ids << 47) + (ground << 11) + band + (1 << 10))
 
 
 def _grown(array: NDArray[Any], need: int) -> NDArray[Any]:
@@ -60,7 +64,8 @@ class HashMaps:
         self._max_cells = max_cells
         self.graphs: list[ObjectGraph] = []
         self._ids: dict[str, int] = {}
-        self._rows: list[dict[int, int]] = []
+        self._rows: dict[int, int] = {}
+        self._cells_of: list[list[int]] = []
         self._size = 0
         self._keys = np.zeros((INITIAL_ROOM, 4), np.int32)
         self._weight = np.zeros(INITIAL_ROOM)
@@ -86,7 +91,7 @@ class HashMaps:
         number = len(self.graphs)
         self._ids[key] = number
         self.graphs.append(without_relations(graph))
-        self._rows.append({})
+        self._cells_of.append([])
         return number, True
 
     def merge(
@@ -116,7 +121,8 @@ class HashMaps:
             cells and weights as published, those that are no longer there with frequency 0.
         """
         before = self._keys[: self._size].copy()
-        self._rows = [{} for _ in self.graphs]
+        self._rows = {}
+        self._cells_of = [[] for _ in self.graphs]
         self._size = 0
         self._weight[:] = self._frequency[:] = 0
         self._hashed[:] = 0
@@ -169,26 +175,26 @@ class HashMaps:
 
     def _found(self, graph_ids: Sequence[int], owner: Ints, places: Ints) -> Ints:
         """Return the rows of cells, new ones included; -1 where there is no room."""
-        keys = packed(places).tolist()
-        rows = np.empty(len(keys), np.int64)
+        graphs = np.asarray(graph_ids, dtype=np.int64)[owner]
+        keys = packed(graphs, places).tolist()
+        known = self._rows
+        rows = np.array([known.get(key, -1) for key in keys], dtype=np.int64)
         fresh: list[int] = []
-        maps = [self._rows[number] for number in graph_ids]
-        size = self._size
-        for index, (detection, key) in enumerate(zip(owner.tolist(), keys, strict=True)):
-            known = maps[detection]
-            row = known.get(key, -1)
-            if row < 0 and size < self._max_cells:
-                known[key] = row = size
-                size += 1
+        for index in np.flatnonzero(rows < 0).tolist():
+            row = known.get(keys[index], -1)  # opened by an earlier detection of this frame
+            if row < 0 and self._size + len(fresh) < self._max_cells:
+                known[keys[index]] = row = self._size + len(fresh)
                 fresh.append(index)
             rows[index] = row
         if fresh:
-            self._open(np.array(graph_ids)[owner[fresh]], places[fresh])
+            self._open(graphs[fresh], places[fresh])
         return rows
 
     def _open(self, graph_ids: Ints, places: Ints) -> None:
         """Fill in the rows of new cells."""
         first, self._size = self._size, self._size + len(places)
+        for row, number in enumerate(graph_ids.tolist(), first):
+            self._cells_of[number].append(row)
         for name in ("_keys", "_weight", "_frequency", "_block_of", "_hashed"):
             setattr(self, name, _grown(getattr(self, name), self._size))
         self._keys[first : self._size, 0] = graph_ids
@@ -212,7 +218,7 @@ class HashMaps:
 
     def rows_of(self, graph_ids: Sequence[int]) -> Ints:
         """Return the rows of several graphs (first hash map)."""
-        rows = [row for number in graph_ids for row in self._rows[number].values()]
+        rows = [row for number in graph_ids for row in self._cells_of[number]]
         return np.array(rows, dtype=np.int64)
 
     def stacked(self, graph_ids: Sequence[int]) -> tuple[NDArray[np.int32], Floats]:
