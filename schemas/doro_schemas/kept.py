@@ -26,12 +26,11 @@ class Kept:
         self._snapshot = snapshot
         self._quiet = True
 
-    def save(self, outputs: Sequence[Output], *, durable: bool) -> None:
+    def save(self, outputs: Sequence[Output]) -> None:
         """Write the state and the messages to be published; one refusal until it works again.
 
         Args:
             outputs: what is about to be published; requests are not kept, the core knows them.
-            durable: wait until the disk has it, see :meth:`StateFile.save`.
         """
         said = [
             (codec.encoding_of(type(one)), codec.encode(one))
@@ -40,13 +39,21 @@ class Kept:
         ]
         state = msgpack.packb([self._snapshot(), said])
         try:
-            self._file.save(state, durable=durable)
+            self._file.save(state)
         except Refused:
             if self._quiet:
                 self._quiet = False
                 raise
         else:
             self._quiet = True
+
+    def sync(self) -> None:
+        """Wait until the disk has what was saved, so that it outlives a loss of power.
+
+        Raises:
+            Refused: the disk does not take it.
+        """
+        self._file.sync()
 
     def load(self, restore: Callable[[bytes], list[Output]]) -> list[Output]:
         """Give the kept state back to the core; return what is to be said and asked first.

@@ -25,6 +25,7 @@ M = TypeVar("M", bound=Message)
 S = TypeVar("S")
 Handler = Callable[[Any], list[Output]]
 TIMING_WINDOW = 1024
+SYNC_S = 1.0
 
 
 class Shell:
@@ -127,7 +128,7 @@ class Shell:
         """Announce the service and handle what arrives until it is stopped."""
         self._bus.declare_alive()
         health = Due(self._bus.settings.health_period_s, self._publish_health, time.monotonic())
-        due = [health, *self._due]
+        due = [health, Due(SYNC_S, self._sync, time.monotonic()), *self._due]
         self._publish_health(0)
         self._guarded("start", self._first)
         while not self._bus.stopping:
@@ -137,6 +138,7 @@ class Shell:
                     self._guarded("tick", lambda one=one: one.handler(time.time_ns()))  # type: ignore[misc]
         for action in self._on_stop:
             action()
+        self._guarded("state", lambda: self._sync(0))
         self._bus.publish(self.health())
 
     def health(self) -> Health:
@@ -178,7 +180,6 @@ class Shell:
         """
         waiting = deque(outputs)
         self._save(waiting)
-        said = False
         while waiting:
             output = waiting.popleft()
             if isinstance(output, Ask):
@@ -186,17 +187,22 @@ class Shell:
                 waiting.extend(self._replies[type(reply)](reply))
                 self._save(waiting)
             else:
-                said = True
                 self._bus.publish(output)
-        self._save((), durable=said)
+        self._save(())
 
-    def _save(self, outputs: Sequence[Output], *, durable: bool = False) -> None:
+    def _save(self, outputs: Sequence[Output]) -> None:
         if self._kept is None:
             return
         try:
-            self._kept.save(outputs, durable=durable)
+            self._kept.save(outputs)
         except Refused as refused:
             self._bus.reject("state", refused)
+
+    def _sync(self, _now_ns: int) -> list[Output]:
+        """Bring the state to the disk, once a second: to wait for it costs a message 10 ms."""
+        if self._kept is not None:
+            self._kept.sync()
+        return []
 
     def _ask(self, request: Message) -> Message:
         topic = topic_of(type(request))

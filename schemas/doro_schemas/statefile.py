@@ -44,6 +44,7 @@ class StateFile:
         self.path = path
         self._schema = schema
         self._written = b""
+        self._synced = True
 
     def load(self) -> bytes | None:
         """Return the state, or None where there is no file.
@@ -75,12 +76,10 @@ class StateFile:
             kept = f"and it cannot be moved away: {error}"
         return Refused(f"the state file {self.path} is not used: {why}; starting afresh, {kept}")
 
-    def save(self, state: bytes, *, durable: bool = True) -> bool:
+    def save(self, state: bytes) -> bool:
         """Replace the file; return False where it holds these very bytes already.
 
-        Args:
-            durable: also wait until the disk has it, so that it outlives a loss of power; a
-                kill of the process it outlives in any case.
+        It outlives a kill of the process from now on, and a loss of power after :meth:`sync`.
 
         Raises:
             Refused: the disk does not take it.
@@ -93,19 +92,33 @@ class StateFile:
         beside = self.path.with_name(f"{self.path.name}.{os.getpid()}.new")
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-            with beside.open("wb") as file:
-                file.write(content)
-                if durable:
-                    file.flush()
-                    os.fsync(file.fileno())
+            beside.write_bytes(content)
             beside.replace(self.path)
         except OSError as error:
-            raise Refused(
-                f"the state cannot be kept in {self.path}: {error}; a restart would lose it,"
-                " choose another folder with the setting state_dir"
-            ) from error
-        self._written = state
+            raise self._refused(error) from error
+        self._written, self._synced = state, False
         return True
+
+    def sync(self) -> None:
+        """Wait until the disk has what was saved; nothing to do where it has it already.
+
+        Raises:
+            Refused: the disk does not take it.
+        """
+        if self._synced:
+            return
+        self._synced = True
+        try:
+            with self.path.open("rb") as file:
+                os.fsync(file.fileno())
+        except OSError as error:
+            raise self._refused(error) from error
+
+    def _refused(self, error: OSError) -> Refused:
+        return Refused(
+            f"the state cannot be kept in {self.path}: {error}; a restart would lose it,"
+            " choose another folder with the setting state_dir"
+        )
 
     def _checked(self, content: bytes) -> bytes:
         """Return the state of a file's content; ValueError says what is wrong with it."""

@@ -245,8 +245,16 @@ def test_a_state_file_holds_what_was_saved_last(tmp_path):
     assert file.load() is None
     assert file.save(b"one")
     assert not file.save(b"one")
-    assert file.save(b"two", durable=False)
+    assert file.save(b"two")
     assert StateFile(path, "doro.Test").load() == b"two"
+    file.sync()
+    path.unlink()
+    file.sync()  # nothing was saved since: the file is not looked at
+    assert file.save(b"three")
+    path.unlink()
+    with pytest.raises(Refused, match="cannot be kept"):
+        file.sync()
+    assert file.save(b"four")
     assert [one.name for one in path.parent.iterdir()] == ["a.state"]
 
 
@@ -278,27 +286,27 @@ def test_a_folder_that_takes_nothing_is_refused_once(tmp_path):
     (tmp_path / "file").write_text("no folder")
     kept = Kept(StateFile(tmp_path / "file" / "a.state", "doro.Test"), lambda: b"x")
     with pytest.raises(Refused, match="choose another folder with the setting state_dir"):
-        kept.save((), durable=True)
-    kept.save((), durable=True)
+        kept.save(())
+    kept.save(())
 
 
 def test_what_may_not_have_been_said_is_said_again(tmp_path):
     path = tmp_path / "a.state"
     query = Answer(text="hello", stamp_ns=3)
     Kept(StateFile(path, "doro.Test"), lambda: b"core").save(
-        [query, Ask(InstancesRequest(name="cup"))], durable=False
+        [query, Ask(InstancesRequest(name="cup"))]
     )
     given = []
     fresh = Kept(StateFile(path, "doro.Test"), lambda: b"core")
     assert fresh.load(lambda state: given.append(state) or []) == [query]
     assert given == [b"core"]
-    fresh.save((), durable=True)
+    fresh.save(())
     assert Kept(StateFile(path, "doro.Test"), lambda: b"").load(lambda state: []) == []
 
 
 def test_a_state_that_the_core_refuses_is_kept_aside(tmp_path):
     path = tmp_path / "a.state"
-    Kept(StateFile(path, "doro.Test"), lambda: b"old").save((), durable=False)
+    Kept(StateFile(path, "doro.Test"), lambda: b"old").save(())
     core = dialogue()
     with pytest.raises(Refused, match=r"do not fit.*starting afresh"):
         Kept(StateFile(path, "doro.Test"), core.snapshot).load(core.restore)
