@@ -9,6 +9,7 @@ import click
 from rich.console import Console
 from rich.progress import Progress
 
+from doro_console.caption import perception
 from doro_console.counting import chairs, counting, stacks
 from doro_console.options import says_refusals, talk
 from doro_console.planning import planning
@@ -67,5 +68,5 @@ def tagging(
     write_figures(json_path, figures, f"doro eval tagging --seed {seed}", seed)
 
 
-for command in (counting, chairs, stacks, planning, queries):
+for command in (counting, chairs, stacks, perception, planning, queries):
     evaluate.add_command(command)
