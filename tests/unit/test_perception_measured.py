@@ -7,7 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
+from doro_console.__main__ import main
 from doro_evaluation.perception import NAMES, figures_of, measure, real, truth_of
 from doro_evaluation.perception_frames import UNNAMED_KIND, Labels, label, write_shard
 from doro_evaluation.perception_scatter import scattered
@@ -119,3 +121,9 @@ def test_the_real_boxes_are_all_read() -> None:
 def test_missing_real_boxes_are_refused(tmp_path: Path) -> None:
     with pytest.raises(Refused, match=r"boxes\.json cannot be read"):
         list(real(tmp_path))
+
+
+def test_the_commands_are_there() -> None:
+    result = CliRunner().invoke(main, ["eval", "perception", "--help"])
+    assert result.exit_code == 0
+    assert "--chain" in result.output
