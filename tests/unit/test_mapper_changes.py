@@ -217,7 +217,7 @@ def test_corrections_of_unknown_frames_or_another_world_change_nothing() -> None
 
 
 def test_memory_is_bounded_in_a_long_run() -> None:
-    """A slice of the run of 100,000 frames in the README: nothing kept grows past its bound."""
+    """A slice of a run of any length: nothing kept grows past its bound."""
     rng = np.random.default_rng(2)
     mapper = fed([], max_views=16, max_tracks=12, max_cells=3000)
     names = [f"thing{k}" for k in range(40)]
