@@ -203,7 +203,6 @@ class Captioner:
         opinions = np.column_stack([found.opinions, np.full(len(found.boxes), FLOOR)])
         opinions = opinions / opinions.sum(axis=1, keepdims=True)
         kinds = seen.kinds * opinions**use.detector_share
-        kinds[:, :UNNAMED][:, self._left_out] = 0.0
         # That nothing is there is the crop net's own word: the proposer has no such class.
         nothing = seen.kinds[:, NOTHING]
         rest = kinds[:, :NOTHING]
@@ -221,6 +220,9 @@ class Captioner:
         read, k = seen
         best = int(kinds[:UNNAMED].argmax())
         name = self._names[best]
+        # What is left out is not named otherwise: a window is no mirror.
+        if self._left_out[best]:
+            return None
         edges = (float(box[0]), float(box[1]), float(box[2]), float(box[3]))
         threshold = settings.class_thresholds.get(name, settings.captioner_threshold)
         if score >= threshold and kinds[best] > 0:
