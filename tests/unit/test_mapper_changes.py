@@ -236,3 +236,13 @@ def test_memory_is_bounded_in_a_long_run() -> None:
     assert len(area.maps) == 3000
     assert mapper.counters["cells_dropped"] > 0
     assert [i.graph.name for i in ask(mapper, "mug").instances] == ["mug", "mug"]
+
+
+def test_more_new_tracks_in_a_frame_than_may_be_kept() -> None:
+    names = [f"thing{k}" for k in range(40)]
+    seen = [
+        Seen((5.0 * k, 100.0, 5.0 * k + 40, 160.0), ObjectGraph(name), -1)
+        for k, name in enumerate(names)
+    ]
+    mapper = fed(numbered([replace(ONE[0], seen=seen), ONE[1]]), max_tracks=10)
+    assert len(mapper.tracks()) == 10

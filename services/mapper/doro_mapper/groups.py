@@ -183,6 +183,7 @@ class Groups:
 
     def drop(self, row: int) -> None:
         """Forget a track that is about to go; its group falls apart."""
+        self._grow()  # a track may go in the frame that opened it
         self._near[row] = self._near[:, row] = False
         self._placed_m[row] = np.inf
         self._judged_hits[row] = 0
