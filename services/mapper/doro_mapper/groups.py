@@ -13,6 +13,7 @@ import numpy as np
 from doro_mapper.boxes import distance
 from doro_mapper.existence import enough, has_gone
 from doro_mapper.finder import Found, family
+from doro_mapper.folding import fold, read_as
 from doro_mapper.items import MERGE_RANGE_M, PRUNE_REACH_M, Item, item_of
 from doro_mapper.merging import MERGE_FAR_GATE, Cluster
 from doro_mapper.settings import MapperSettings
@@ -21,11 +22,14 @@ from doro_mapper.views import Bools, Floats, Views
 from doro_mapper.votes import Votes, merged
 
 GROWTH = 1.25
+FOLD_HITS = 12
+"""A thing with a track of so many views takes its other tracks in for good."""
 LABEL_GATE = 0.5
 LABEL_REACH = 0.35
 MOVED_M = 0.02
 MOVED_SHARE = 0.05
 MAX_LOST = 256
+MAX_FORMER = 8
 SMALL_M = 0.5
 """Larger things hide behind each other too much for misses alone to say that one has gone."""
 
@@ -73,6 +77,8 @@ class Groups:
         self._counts: dict[str, int] = {}
         self._lost: dict[str, None] = {}
         self._cache: dict[int, Found] = {}
+        self._former: dict[int, list[str]] = {}
+        self._unfolded: dict[int, None] = {}
 
     def is_loose(self, row: int) -> bool:
         """Tell whether a row stands for itself alone and has no id."""
@@ -80,8 +86,11 @@ class Groups:
         alone = group is not None and len(group.item.rows) == 1 and not group.absorbed
         return alone and row not in self._ids
 
-    def update(self) -> None:
-        """Take account of what the last frame changed."""
+    def update(self) -> list[int]:
+        """Take account of what the last frame changed; return rows that are part of others now.
+
+        The caller drops these from the table.
+        """
         self._grow()
         rows = self._table.rows
         changed = self._moved(rows)
@@ -96,6 +105,41 @@ class Groups:
                 pending.pop(row, None)
             self._judge(cluster)
         self._number()
+        return self._fold()
+
+    def _fold(self) -> list[int]:
+        """Make one track of the tracks of things that are well seen."""
+        table, gone = self._table, []
+        for main in sorted(self._unfolded):
+            group = self._groups.get(main)
+            if group is None or table.hits[main] < FOLD_HITS:
+                continue
+            for index, row in enumerate(group.item.rows[1:], start=1):
+                fold(table, main, row, measured=index < group.item.shaping)
+                self._votes[main].take(self._votes[row])
+            if group.read is not None:
+                read_as(table, main, group.read)
+            minor = [*group.item.rows[1:], *group.absorbed]
+            self._inherit(main, minor)
+            gone += minor
+            self._keep(Group(item_of(main, table, self._votes[main]), None, []))
+        self._unfolded.clear()
+        return gone
+
+    def _inherit(self, main: int, rows: list[int]) -> None:
+        """Give a thing the ids of the tracks that went into it: the first, or as former ones."""
+        for row in rows:
+            self._group_of.pop(row, None)
+            self._cache.pop(row, None)
+            self._near[row] = self._near[:, row] = False
+            self._placed_m[row] = np.inf
+            self._judged_hits[row] = 0
+            names = [self._ids.pop(row)] if row in self._ids else []
+            names += self._former.pop(row, [])
+            if names and main not in self._ids:
+                self._ids[main] = names.pop(0)
+            self._former.setdefault(main, []).extend(names)
+            del self._former[main][MAX_FORMER:]
 
     def _grow(self) -> None:
         room = len(self._table.alive)
@@ -137,14 +181,17 @@ class Groups:
         self._near[rows[:, None], changed] = near.T
 
     def _cluster(self, row: int) -> list[int]:
-        """Return the rows connected with a row, ascending."""
-        found = {row: None}
-        waiting = [row]
-        while waiting:
-            for other in np.flatnonzero(self._near[waiting.pop()]).tolist():
-                if other not in found:
-                    found[other] = None
-                    waiting.append(other)
+        """Return a row, its neighbours, theirs, and what is of one thing with any of them.
+
+        Not all that is connected: a wall of cabinet doors would be one neighbourhood.
+        """
+        near = np.flatnonzero(self._near[row])
+        found = dict.fromkeys([row, *near.tolist()])
+        found.update(dict.fromkeys(np.flatnonzero(self._near[near].any(axis=0)).tolist()))
+        for main in list(dict.fromkeys(self._group_of.get(one, -1) for one in found)):
+            group = self._groups.get(main)
+            if group is not None:
+                found.update(dict.fromkeys([*group.item.rows, *group.absorbed]))
         return sorted(found)
 
     def _judge(self, rows: list[int]) -> None:
@@ -178,6 +225,8 @@ class Groups:
 
     def _keep(self, group: Group) -> None:
         self._groups[group.main] = group
+        if len(group.item.rows) > 1 or group.absorbed:
+            self._unfolded[group.main] = None
         for row in group.item.rows:
             self._group_of[row] = group.main
 
@@ -188,8 +237,8 @@ class Groups:
         self._placed_m[row] = np.inf
         self._judged_hits[row] = 0
         group = self._groups.pop(self._group_of.pop(row, -1), None)
-        name = self._ids.pop(row, None)
-        if name is not None:
+        names = [self._ids.pop(row)] if row in self._ids else []
+        for name in (*names, *self._former.pop(row, [])):
             self._lost[name] = None
             while len(self._lost) > MAX_LOST:
                 del self._lost[next(iter(self._lost))]
@@ -268,5 +317,5 @@ class Groups:
             covariance_m2=item.spread_m2,
             instance_id=names[0] if names else "",
             version=version,
-            replaced=(*names[1:], *absorbed),
+            replaced=(*names[1:], *absorbed, *self._former.get(rows[0], [])),
         )

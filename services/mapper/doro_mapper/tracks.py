@@ -67,7 +67,11 @@ class TrackFinder:
         else:
             table.look(serial)
         self._retire()
-        self._groups.update()
+        self._update()
+
+    def _update(self) -> None:
+        for row in self._groups.update():
+            self._forget(row)
 
     def _associate(self, frame: FrameSightings) -> tuple[Ints, np.ndarray]:
         """Return by sighting its track's row, and whether it tells geometry."""
@@ -173,6 +177,9 @@ class TrackFinder:
 
     def _drop(self, row: int) -> None:
         self._groups.drop(row)
+        self._forget(row)
+
+    def _forget(self, row: int) -> None:
         self._table.drop(row)
         del self._votes[row], self._family[row]
 
@@ -217,7 +224,7 @@ class TrackFinder:
             self._table.refresh(rows)
             for row in rows.tolist():
                 self._table.look_back(row)
-            self._groups.update()
+            self._update()
 
 
 def _solve(block: list[tuple[int, int, float]]) -> dict[int, int]:
