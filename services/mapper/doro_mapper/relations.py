@@ -7,7 +7,7 @@ from collections.abc import Collection
 import numpy as np
 from numpy.typing import NDArray
 
-from doro_mapper.finder import Found, names_agree
+from doro_mapper.finder import Found, attributes_agree, names_agree
 from doro_mapper.settings import MapperSettings
 from doro_mapper.views import Bools, Floats
 from doro_mapper.votes import ranked
@@ -18,7 +18,15 @@ ORDER = ("is-on", "is-at", "is-near")
 HOLDS = ("is-on", "is-at")
 NONE, ON, AT, NEAR = range(4)
 STACKED_SHARE = 0.5
+FITS_SHARE = 0.5
+SUNK_M = 0.02
+LOW_M = 0.35
+"""Things of at most this height (books, plates, boxes, boards) carry others in piles."""
 LANDMARK_SIDES_M = (0.15, 0.3)
+CONTAINERS = frozenset(
+    ("basket", "bowl", "box", "bucket", "crate", "cup", "mug", "pan", "pot", "vase")
+)
+"""Low things that one looks into: what they hide in part lies in them. A plate hides nothing."""
 Option = tuple[bool, float, float, int]
 """Sorts landmarks: lesser, gap, distance of centres (metres); and the landmark's index."""
 
@@ -50,27 +58,70 @@ def relation_matrix(low_m: Floats, high_m: Floats) -> NDArray[np.int64]:
     return out
 
 
-def _kinds(low_m: Floats, high_m: Floats, area_m2: Floats, same: Bools) -> NDArray[np.int64]:
+def _rests(low_m: Floats, high_m: Floats) -> Bools:
+    """Tell whether A may lie on B, by what is seen of both, (n, n).
+
+    The box of what lies below is measured too high (in the image its box shows what stands on
+    it) and that of what lies above too low or cut off (a rim hides it), so tops and bottoms
+    decide little. Centres keep their order: A's is higher, A reaches down to B but not below
+    it, and lies over it.
+    """
+    a, b = np.s_[:, None], np.s_[None]
+    overlap = np.minimum(high_m[a], high_m[b]) - np.maximum(low_m[a], low_m[b])
+    ground = np.clip(overlap[..., :2], 0, None) / np.maximum((high_m - low_m)[a][..., :2], 1e-6)
+    level, bottom = (low_m + high_m)[:, 2], low_m[:, 2]
+    rests = (ground.prod(axis=2) >= ON_OVERLAP) & (overlap[..., 2] >= -ON_GAP_M)
+    rests &= (level[a] > level[b]) & (bottom[a] >= bottom[b] - SUNK_M)
+    return np.asarray(rests)
+
+
+def _kinds(low_m: Floats, high_m: Floats, names: list[str], same: Bools) -> NDArray[np.int64]:
     """Return how things stand to landmarks.
 
-    Only what is larger on the ground carries or holds a thing; of one class, as measured, what
-    is not much smaller (a book on a book). What a thing carries or holds itself is not near
-    it: nobody says that a table is near its cup.
+    Only what is larger on the ground carries or holds a thing; of one class what is not much
+    smaller carries it (a book on a book), and it neither holds it nor is it near it. A low
+    thing below carries what lies over it (:func:`_rests`); a container holds what is at most
+    half as large and, hidden by its rim, seems lower than wide. What a thing carries or holds
+    itself is not near it: nobody says that a table is near its cup.
     """
     kinds = relation_matrix(low_m, high_m)
+    size = high_m - low_m
+    area = size[:, 0] * size[:, 1]
+    piled = _rests(low_m, high_m) & (size[:, 2] <= LOW_M)[None]
+    kinds[piled] = ON
+    sunk = np.array([name in CONTAINERS for name in names])[None] & ~same
+    sunk &= area[:, None] <= FITS_SHARE * area[None]
+    sunk &= (size[:, 2] < size[:, :2].min(axis=1))[:, None]
+    kinds[piled & sunk] = AT
+    closed = np.array([name not in CONTAINERS for name in names]) & (size[:, 2] <= LOW_M)
+    kinds[(kinds == AT) & (same | closed[None])] = NONE
+    kinds[same & (kinds == NEAR)] = NONE
     held = np.isin(kinds, (ON, AT))
-    holds = area_m2[None] > area_m2[:, None]
-    holds |= same & (kinds == ON) & (area_m2[None] > STACKED_SHARE * area_m2[:, None])
+    holds = area[None] > area[:, None]
+    holds |= same & (area[None] > STACKED_SHARE * area[:, None])
     kinds[held & ~holds] = NONE
-    kinds[(held & holds).T] = NONE
+    kinds[(held & holds).T & ~(held & holds)] = NONE
     return kinds
 
 
-def _landmarks(size_m: Floats, area_m2: Floats) -> Bools:
-    """Tell whether people would point at A by B: larger, and of furniture's size, (n, n)."""
+def _lesser(size_m: Floats) -> tuple[Bools, Bools]:
+    """Return which B are second best to point at A by, and which nobody would, (n, n).
+
+    Best is what is larger and of furniture's size. Of the rest, furniture is pointed at by
+    furniture alone, a smaller thing by what is at least half as large: no chair is near a cup.
+    """
     sides = np.sort(size_m, axis=1)
     furniture = (sides[:, 2] >= LANDMARK_SIDES_M[1]) & (sides[:, 1] >= LANDMARK_SIDES_M[0])
-    return np.asarray((area_m2[None] > area_m2[:, None]) & furniture[None])
+    area = size_m[:, 0] * size_m[:, 1]
+    best = (area[None] > area[:, None]) & furniture[None]
+    small = furniture[:, None] | (area[None] < FITS_SHARE * area[:, None])
+    return np.asarray(~best), np.asarray(~furniture[None] & small)
+
+
+def _alike(graphs: list[ObjectGraph]) -> Bools:
+    """Tell which pairs have one class, (n, n)."""
+    _, number = np.unique([graph.name for graph in graphs], return_inverse=True)
+    return np.asarray(number[:, None] == number[None])
 
 
 def spatial_relations(
@@ -81,27 +132,30 @@ def spatial_relations(
 ) -> list[list[Relation]]:
     """Return by instance what holds between it and the others.
 
-    The closest thing it is on, or else the closest it is at, and up to ``max_near`` different
-    ones near it: first larger things of other classes, then the rest, each nearest first. A
-    thing lies on or in one of its own class as on any other (a book on a book). No measured
-    relation leads to one of ``no_landmarks``. Landmarks carry class and attributes, no
-    relations of their own.
+    What carries it in a pile (the highest low thing below it), or else the closest thing it is
+    on, or else the closest it is at, and up to ``max_near`` different ones near it: first
+    larger furniture, then the rest, each nearest first. No measured relation leads to one of
+    ``no_landmarks``. Landmarks carry class and attributes, no relations of their own.
     """
     if not instances:
         return []
     low = np.array([found.low_m for found in instances])
     high = np.array([found.high_m for found in instances])
-    size = high - low
-    area = size[:, 0] * size[:, 1]
-    same = np.array([[a.name == b.name for b in graphs] for a in graphs], dtype=bool)
-    kinds = _kinds(low, high, area, same)
-    kinds[:, [graph.name in no_landmarks for graph in graphs]] = NONE
-    lesser = same | ~_landmarks(size, area)
+    size, center = high - low, (low + high) / 2
+    same = _alike(graphs)
+    names = [graph.name for graph in graphs]
+    kinds = _kinds(low, high, names, same)
+    kinds[:, [name in no_landmarks for name in names]] = NONE
+    lesser, never = _lesser(size)
+    kinds[never & (kinds == NEAR)] = NONE
     gaps = np.clip(np.maximum(low[:, None] - high[None], low[None] - high[:, None]), 0, None)
     gap = np.hypot(gaps[..., 0], gaps[..., 1])
     on = kinds == ON
     gap[on] = np.abs(low[:, None, 2] - high[None, :, 2])[on]
-    center = (low + high) / 2
+    held = np.isin(kinds, (ON, AT))
+    piled = held & _rests(low, high) & (size[:, 2] <= LOW_M)[None]
+    lesser[held] = ~piled[held]
+    gap[piled] = (center[:, None, 2] - center[None, :, 2])[piled]
     apart = np.linalg.norm(center[:, None] - center[None], axis=2)
     keys = [identity(graph) for graph in graphs]
     out = []
@@ -117,37 +171,45 @@ def spatial_relations(
 def _chosen(
     options: dict[str, list[Option]], graphs: list[ObjectGraph], keys: list[str], max_near: int
 ) -> list[Relation]:
-    """Return one holder (on before at) and the nearest landmarks; equal landmarks once."""
+    """Return one holder (of a pile, else on before at) and landmarks; equal landmarks once."""
+    holders = [(option[0], k, option) for k, kind in enumerate(HOLDS) for option in options[kind]]
+    # In a pile the highest holder wins, whether the thing lies on it or in it.
+    holders.sort(key=lambda one: one if one[0] else (False, 0, one[2]))
     out: list[Relation] = []
     named: dict[str, None] = {}
-    for kind in ORDER:
-        left = max_near if kind == "is-near" else 1 - len(out)
-        ranks = (
-            sorted(options[kind])
-            if kind == "is-near"
-            else sorted(options[kind], key=lambda option: option[1:])
-        )
-        for *_, j in ranks:
-            if left > 0 and keys[j] not in named:
-                named[keys[j]] = None
-                left -= 1
-                out.append(Relation(kind, graphs[j]))
+    for _, _, (*_, j) in holders[:1]:
+        kind = next(kind for kind in HOLDS if any(option[-1] == j for option in options[kind]))
+        named[keys[j]] = None
+        out.append(Relation(kind, graphs[j]))
+    near = 0
+    for *_, j in sorted(options["is-near"]):
+        if near < max_near and keys[j] not in named:
+            named[keys[j]] = None
+            near += 1
+            out.append(Relation("is-near", graphs[j]))
     return out
 
 
 def captioned_relations(found: Found, share: float) -> list[Relation]:
     """Return the relations that at least ``share`` of the views' captions state.
 
-    Relations vary by view, so one view among several is not enough. The landmark's attributes
+    Relations vary by view, so one view among several is not enough. A thing has one holder,
+    that of most views, and is not near or in one of its own class. The landmark's attributes
     are those most often stated.
     """
     stated = found.votes.stated
     least = max(min(2, found.hits), share * found.hits)
-    kept = [key for key, known in stated.items() if known.views >= least]
+    kept = [
+        key
+        for key, known in stated.items()
+        if known.views >= least and (key[0] not in ("is-near", "is-at") or key[1] != found.name)
+    ]
     kept.sort(key=lambda key: (-stated[key].views, key))
+    holder = next((key for key in kept if key[0] in HOLDS and not key[2]), None)
     return [
         Relation(key[0], stated[key].graphs[ranked(stated[key].variants)[0]], key[2])
         for key in kept
+        if key[0] not in HOLDS or key[2] or key == holder
     ]
 
 
@@ -158,16 +220,34 @@ def relations_of(
 
     What captions state again and again wins over what was measured about the same class of
     landmark, and about what carries or holds the thing: boxes of large furniture are coarse.
-    Where both agree, the landmark is the measured one, with its voted attributes.
+    Where both agree, the landmark is the measured one, with its voted attributes; where only
+    the class agrees (red book, blue book), the thing of that look that it touches, if any.
     """
     measured = spatial_relations(instances, graphs, settings.max_near, settings.no_landmarks)
+    out = []
+    for i, (found, own) in enumerate(zip(instances, measured, strict=True)):
+        captioned = captioned_relations(found, settings.relation_share)
+        touched = _touched(i, instances, graphs) if captioned else []
+        out.append(_joined(own, captioned, touched, settings.max_near))
+    return out
+
+
+def _touched(i: int, instances: list[Found], graphs: list[ObjectGraph]) -> list[ObjectGraph]:
+    """Return the things whose boxes come within ``ON_GAP_M`` of that of thing ``i``."""
+    low, high = instances[i].low_m - ON_GAP_M, instances[i].high_m + ON_GAP_M
     return [
-        _joined(own, captioned_relations(found, settings.relation_share), settings.max_near)
-        for found, own in zip(instances, measured, strict=True)
+        graph
+        for j, (found, graph) in enumerate(zip(instances, graphs, strict=True))
+        if j != i and (found.low_m <= high).all() and (low <= found.high_m).all()
     ]
 
 
-def _joined(own: list[Relation], captioned: list[Relation], max_near: int) -> list[Relation]:
+def _joined(
+    own: list[Relation],
+    captioned: list[Relation],
+    touched: list[ObjectGraph],
+    max_near: int,
+) -> list[Relation]:
     """Return measured and captioned relations of one thing as one list."""
     if not captioned:
         return own
@@ -179,7 +259,7 @@ def _joined(own: list[Relation], captioned: list[Relation], max_near: int) -> li
         if not (held and relation.type in HOLDS)
         and not any(names_agree(relation.target.name, s.target.name) for s in stated)
     ]
-    chosen = [_measured_target(relation, own) for relation in stated]
+    chosen = [_landmark_of(relation, own, touched) for relation in stated]
     near = sum(relation.type == "is-near" for relation in chosen)
     for relation in kept:
         near += relation.type == "is-near"
@@ -190,9 +270,19 @@ def _joined(own: list[Relation], captioned: list[Relation], max_near: int) -> li
     return ordered + [relation for relation in captioned if relation.inverse]
 
 
-def _measured_target(stated: Relation, measured: list[Relation]) -> Relation:
-    """Return the measured relation that a caption states as well, or else the caption's."""
-    for relation in measured:
-        if relation.type == stated.type and names_agree(relation.target.name, stated.target.name):
-            return relation
-    return stated
+def _landmark_of(
+    stated: Relation, measured: list[Relation], touched: list[ObjectGraph]
+) -> Relation:
+    """Return what a caption states with the map's own landmark, or else with the caption's."""
+    same = [
+        relation
+        for relation in measured
+        if relation.type == stated.type and names_agree(relation.target.name, stated.target.name)
+    ]
+    alike = [relation.target for relation in same]
+    if stated.type in HOLDS:
+        alike += [graph for graph in touched if names_agree(graph.name, stated.target.name)]
+    for graph in alike:
+        if attributes_agree(graph.attributes, stated.target.attributes):
+            return Relation(stated.type, graph)
+    return same[0] if same else stated
