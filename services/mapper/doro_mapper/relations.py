@@ -18,7 +18,7 @@ ORDER = ("is-on", "is-at", "is-near")
 HOLDS = ("is-on", "is-at")
 NONE, ON, AT, NEAR = range(4)
 STACKED_SHARE = 0.5
-FITS_SHARE = 0.5
+FITS_SHARE = 0.7
 SUNK_M = 0.02
 LOW_M = 0.35
 """Things of at most this height (books, plates, boxes, boards) carry others in piles."""
@@ -58,42 +58,53 @@ def relation_matrix(low_m: Floats, high_m: Floats) -> NDArray[np.int64]:
     return out
 
 
-def _rests(low_m: Floats, high_m: Floats) -> Bools:
+def _rests(low_m: Floats, high_m: Floats, level_m: Floats) -> Bools:
     """Tell whether A may lie on B, by what is seen of both, (n, n).
 
     The box of what lies below is measured too high (in the image its box shows what stands on
     it) and that of what lies above too low or cut off (a rim hides it), so tops and bottoms
-    decide little. Centres keep their order: A's is higher, A reaches down to B but not below
-    it, and lies over it.
+    decide little. Centres over all views keep their order, be it by millimetres: A's is higher,
+    A reaches down to B but not below it, and lies over it.
+
+    Args:
+        level_m: (n,) heights of the centres.
     """
     a, b = np.s_[:, None], np.s_[None]
     overlap = np.minimum(high_m[a], high_m[b]) - np.maximum(low_m[a], low_m[b])
     ground = np.clip(overlap[..., :2], 0, None) / np.maximum((high_m - low_m)[a][..., :2], 1e-6)
-    level, bottom = (low_m + high_m)[:, 2], low_m[:, 2]
+    bottom = low_m[:, 2]
     rests = (ground.prod(axis=2) >= ON_OVERLAP) & (overlap[..., 2] >= -ON_GAP_M)
-    rests &= (level[a] > level[b]) & (bottom[a] >= bottom[b] - SUNK_M)
+    rests &= (level_m[a] > level_m[b]) & (bottom[a] >= bottom[b] - SUNK_M)
     return np.asarray(rests)
 
 
-def _kinds(low_m: Floats, high_m: Floats, names: list[str], same: Bools) -> NDArray[np.int64]:
+def _kinds(
+    low_m: Floats, high_m: Floats, rests: Bools, names: list[str], same: Bools
+) -> NDArray[np.int64]:
     """Return how things stand to landmarks.
 
     Only what is larger on the ground carries or holds a thing; of one class what is not much
     smaller carries it (a book on a book), and it neither holds it nor is it near it. A low
-    thing below carries what lies over it (:func:`_rests`); a container holds what is at most
-    half as large and, hidden by its rim, seems lower than wide. What a thing carries or holds
-    itself is not near it: nobody says that a table is near its cup.
+    thing carries what rests on it and nothing else; a container holds what is shorter by a good
+    part and, hidden by its rim, seems lower than wide. What a thing carries or holds itself is
+    not near it: nobody says that a table is near its cup.
+
+    Args:
+        rests: see :func:`_rests`.
+        same: pairs of one class.
     """
     kinds = relation_matrix(low_m, high_m)
     size = high_m - low_m
     area = size[:, 0] * size[:, 1]
-    piled = _rests(low_m, high_m) & (size[:, 2] <= LOW_M)[None]
+    low = size[:, 2] <= LOW_M
+    kinds[(kinds == ON) & ~rests & (low[None] | same)] = NEAR
+    piled = rests & low[None]
     kinds[piled] = ON
     sunk = np.array([name in CONTAINERS for name in names])[None] & ~same
-    sunk &= area[:, None] <= FITS_SHARE * area[None]
+    sunk &= size[:, None, :2].max(axis=2) <= FITS_SHARE * size[None, :, :2].max(axis=2)
     sunk &= (size[:, 2] < size[:, :2].min(axis=1))[:, None]
     kinds[piled & sunk] = AT
-    closed = np.array([name not in CONTAINERS for name in names]) & (size[:, 2] <= LOW_M)
+    closed = low & np.array([name not in CONTAINERS for name in names])
     kinds[(kinds == AT) & (same | closed[None])] = NONE
     kinds[same & (kinds == NEAR)] = NONE
     held = np.isin(kinds, (ON, AT))
@@ -114,7 +125,7 @@ def _lesser(size_m: Floats) -> tuple[Bools, Bools]:
     furniture = (sides[:, 2] >= LANDMARK_SIDES_M[1]) & (sides[:, 1] >= LANDMARK_SIDES_M[0])
     area = size_m[:, 0] * size_m[:, 1]
     best = (area[None] > area[:, None]) & furniture[None]
-    small = furniture[:, None] | (area[None] < FITS_SHARE * area[:, None])
+    small = furniture[:, None] | (area[None] < STACKED_SHARE * area[:, None])
     return np.asarray(~best), np.asarray(~furniture[None] & small)
 
 
@@ -144,7 +155,10 @@ def spatial_relations(
     size, center = high - low, (low + high) / 2
     same = _alike(graphs)
     names = [graph.name for graph in graphs]
-    kinds = _kinds(low, high, names, same)
+    level = np.array([found.center_m[2] for found in instances])
+    rests = _rests(low, high, level)
+    piled = rests & (size[:, 2] <= LOW_M)[None]
+    kinds = _kinds(low, high, rests, names, same)
     kinds[:, [name in no_landmarks for name in names]] = NONE
     lesser, never = _lesser(size)
     kinds[never & (kinds == NEAR)] = NONE
@@ -153,9 +167,8 @@ def spatial_relations(
     on = kinds == ON
     gap[on] = np.abs(low[:, None, 2] - high[None, :, 2])[on]
     held = np.isin(kinds, (ON, AT))
-    piled = held & _rests(low, high) & (size[:, 2] <= LOW_M)[None]
     lesser[held] = ~piled[held]
-    gap[piled] = (center[:, None, 2] - center[None, :, 2])[piled]
+    gap[piled & held] = (level[:, None] - level[None])[piled & held]
     apart = np.linalg.norm(center[:, None] - center[None], axis=2)
     keys = [identity(graph) for graph in graphs]
     out = []
