@@ -237,22 +237,23 @@ def relations_of(
     the class agrees (red book, blue book), the thing of that look that it touches, if any.
     """
     measured = spatial_relations(instances, graphs, settings.max_near, settings.no_landmarks)
+    stated = [captioned_relations(found, settings.relation_share) for found in instances]
     out = []
-    for i, (found, own) in enumerate(zip(instances, measured, strict=True)):
-        captioned = captioned_relations(found, settings.relation_share)
-        touched = _touched(i, instances, graphs) if captioned else []
-        out.append(_joined(own, captioned, touched, settings.max_near))
+    for own, captioned, touched in zip(measured, stated, _touched(instances), strict=True):
+        around = [graphs[j] for j in touched] if captioned else []
+        out.append(_joined(own, captioned, around, settings.max_near))
     return out
 
 
-def _touched(i: int, instances: list[Found], graphs: list[ObjectGraph]) -> list[ObjectGraph]:
-    """Return the things whose boxes come within ``ON_GAP_M`` of that of thing ``i``."""
-    low, high = instances[i].low_m - ON_GAP_M, instances[i].high_m + ON_GAP_M
-    return [
-        graph
-        for j, (found, graph) in enumerate(zip(instances, graphs, strict=True))
-        if j != i and (found.low_m <= high).all() and (low <= found.high_m).all()
-    ]
+def _touched(instances: list[Found]) -> list[list[int]]:
+    """Return by thing those whose boxes come within ``ON_GAP_M`` of its own."""
+    if not instances:
+        return []
+    low = np.array([found.low_m for found in instances])
+    high = np.array([found.high_m for found in instances])
+    apart = np.maximum(low[:, None] - high[None], low[None] - high[:, None]).max(axis=2)
+    np.fill_diagonal(apart, np.inf)
+    return [np.flatnonzero(row <= ON_GAP_M).tolist() for row in apart]
 
 
 def _joined(
