@@ -6,15 +6,13 @@ quarter since the last time: often at first, then ever less, whatever the length
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from doro_mapper.boxes import distance
 from doro_mapper.existence import enough, has_gone
 from doro_mapper.finder import Found, family
 from doro_mapper.folding import fold, read_as
-from doro_mapper.items import MERGE_RANGE_M, PRUNE_REACH_M, Item, item_of
+from doro_mapper.items import MERGE_RANGE_M, PRUNE_REACH_M, Group, item_of
 from doro_mapper.merging import MERGE_FAR_GATE, Cluster
 from doro_mapper.settings import MapperSettings
 from doro_mapper.table import Ints, TrackTable
@@ -22,7 +20,7 @@ from doro_mapper.views import Bools, Floats, Views
 from doro_mapper.votes import Votes, merged
 
 GROWTH = 1.25
-FOLD_HITS = 12
+FOLD_HITS = 3
 """A thing with a track of so many views takes its other tracks in for good."""
 LABEL_GATE = 0.5
 LABEL_REACH = 0.35
@@ -32,25 +30,6 @@ MAX_LOST = 256
 MAX_FORMER = 8
 SMALL_M = 0.5
 """Larger things hide behind each other too much for misses alone to say that one has gone."""
-
-
-@dataclass(eq=False, slots=True)
-class Group:
-    """The tracks of one thing, the one with most views first; or none: explained away.
-
-    Attributes:
-        item: rows and geometry as of when it was last looked at.
-        read: slots of other tracks' views that are read as views of this one.
-        absorbed: rows of tracks that were explained away by it.
-    """
-
-    item: Item
-    read: Bools | None
-    absorbed: list[int]
-
-    @property
-    def main(self) -> int:
-        return self.item.rows[0]
 
 
 class Groups:
@@ -114,6 +93,8 @@ class Groups:
             group = self._groups.get(main)
             if group is None or table.hits[main] < FOLD_HITS:
                 continue
+            if any(self._head[row] != self._head[main] for row in group.item.rows):
+                continue  # a flickering label: the other name needs its track to be found by
             for index, row in enumerate(group.item.rows[1:], start=1):
                 fold(table, main, row, measured=index < group.item.shaping)
                 self._votes[main].take(self._votes[row])
@@ -263,10 +244,14 @@ class Groups:
 
     def _number(self) -> None:
         """Give ids to things that now count as instances, in order of their first track."""
+        hits, least = self._table.hits, self._settings.min_hits
+        few = self._views.total >= self._settings.few_views
         for main in sorted(self._groups):
             group = self._groups[main]
             rows = group.item.rows
-            if any(row in self._ids for row in rows):
+            if main in self._ids or any(row in self._ids for row in rows):
+                continue
+            if few and len(rows) == 1 and group.read is None and hits[main] < least:
                 continue
             if enough(*self._counted(group), self._views.total, self._settings):
                 name = self._votes[main].look()[0].replace(" ", "-")

@@ -61,6 +61,25 @@ class Item:
         )
 
 
+@dataclass(eq=False, slots=True)
+class Group:
+    """The tracks of one thing, the one with most views first; or none: explained away.
+
+    Attributes:
+        item: rows and geometry as of when it was last looked at.
+        read: slots of other tracks' views that are read as views of this one.
+        absorbed: rows of tracks that were explained away by it.
+    """
+
+    item: Item
+    read: Bools | None
+    absorbed: list[int]
+
+    @property
+    def main(self) -> int:
+        return self.item.rows[0]
+
+
 def item_of(row: int, table: TrackTable, votes: Votes) -> Item:
     """Return a track as an item."""
     return Item(
@@ -84,13 +103,36 @@ def strength(item: Item) -> float:
     return item.hits / (item.hits + missed + 2.0)
 
 
-def gaps_between(items: list[Item], others: list[Item]) -> Floats:
-    """Return the symmetric distances (n, m); NEVER for what cannot be one thing."""
+def gaps_between(items: list[Item], others: list[Item]) -> tuple[Floats, Bools]:
+    """Return the symmetric distances and whether one may be part of the other, each (n, m).
+
+    A distance is NEVER for what cannot be one thing. A part lies within reach of the whole, and
+    looks alike.
+    """
     a, b = _boxes(items), _boxes(others)
     there = distance(a, b, np.full(len(items), MERGE_RANGE_M))
     back = distance(b, a, np.full(len(others), MERGE_RANGE_M)).T
-    factor = [[graph_factor(one.look, other.look) for other in others] for one in items]
-    return np.asarray(np.minimum(there, back) * np.array(factor))
+    factors = _factors(items, others)
+    apart = np.linalg.norm(a.center_m[:, None] - b.center_m[None], axis=2)
+    reach = np.maximum(_reach_m(a)[:, None], _reach_m(b)[None])
+    return np.asarray(np.minimum(there, back) * factors), (factors == 1.0) & (apart <= reach)
+
+
+def _reach_m(boxes: Boxes) -> Floats:
+    return np.asarray(PRUNE_REACH_M + 2 * np.linalg.norm(boxes.high_m - boxes.low_m, axis=1))
+
+
+def _factors(items: list[Item], others: list[Item]) -> Floats:
+    """Return the factors of :func:`graph_factor`; few different looks, so each pair once."""
+    looks: list[Look] = []
+    numbers = []
+    for item in (*items, *others):
+        if item.look not in looks:
+            looks.append(item.look)
+        numbers.append(looks.index(item.look))
+    table = np.array([[graph_factor(one, other) for other in looks] for one in looks])
+    n = len(items)
+    return np.asarray(table[np.array(numbers[:n])[:, None], np.array(numbers[n:])])
 
 
 def _boxes(items: list[Item]) -> Boxes:
@@ -140,3 +182,10 @@ def in_reach(other: Item, item: Item) -> bool:
     """Tell whether an item may be a view of another, by distance."""
     reach = PRUNE_REACH_M + 2 * float(np.linalg.norm(other.high_m - other.low_m))
     return float(np.linalg.norm(other.center_m - item.center_m)) <= reach
+
+
+def reach_matrix(items: list[Item]) -> Bools:
+    """Return by pair whether the second may be a view of the first, by distance, (n, n)."""
+    boxes = _boxes(items)
+    apart = np.linalg.norm(boxes.center_m[:, None] - boxes.center_m[None], axis=2)
+    return np.asarray(apart <= _reach_m(boxes)[:, None])

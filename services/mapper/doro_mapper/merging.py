@@ -23,6 +23,7 @@ from doro_mapper.items import (
     item_of,
     one_above,
     one_place,
+    reach_matrix,
     strength,
 )
 from doro_mapper.robust import robust_geometry
@@ -63,28 +64,33 @@ class Cluster:
     def merge(self) -> None:
         """Merge the closest items first, until nothing more may be merged."""
         items = self.items
-        gaps = gaps_between(items, items)
+        gaps, parts = gaps_between(items, items)
         seen = np.array([item.seen for item in items], dtype=np.float32)
         together: Floats = (seen @ seen.T).astype(np.float64)
-        refused = np.zeros((len(items), len(items)), dtype=bool)
+        hits = np.array([item.hits for item in items])
+        open_: Bools = _worth_asking(gaps, parts, together, np.minimum(hits[:, None], hits))
         merged_away = np.zeros(len(items), dtype=bool)
-        while (pair := self._next_pair(gaps, together, refused)) is not None:
+        while (pair := self._next_pair(gaps, together, open_)) is not None:
             i, j, measured = pair
             items[i] = self._joined(items[i], items[j], measured)
-            gaps[i] = gaps[:, i] = gaps_between([items[i]], items)[0]
+            hits[i] = items[i].hits
+            near, part = gaps_between([items[i]], items)
             seen[i] = items[i].seen
+            gaps[i] = gaps[:, i] = near[0]
             together[i] = together[:, i] = seen @ seen[i]
-            refused[i] = refused[:, i] = False
             merged_away[j] = True
-            gaps[merged_away] = gaps[:, merged_away] = NEVER
+            least = np.minimum(hits[i], hits)
+            asked = _worth_asking(near[0], part[0], together[i], least) & ~merged_away
+            open_[i] = open_[:, i] = asked
+            open_[j] = open_[:, j] = False
         self.items = [items[k] for k in np.flatnonzero(~merged_away)]
 
     def _next_pair(
-        self, gaps: Floats, together: Floats, refused: Bools
+        self, gaps: Floats, together: Floats, open_: Bools
     ) -> tuple[int, int, bool] | None:
         """Return the closest pair that may be merged, larger first, and whether its geometry is
-        shared; mark what may not be."""
-        first, second = np.nonzero(np.triu(~refused & (gaps < NEVER / 2), 1))
+        shared; close what may not be."""
+        first, second = np.nonzero(np.triu(open_, 1))
         for k in np.argsort(gaps[first, second], kind="stable").tolist():
             i, j = int(first[k]), int(second[k])
             if self.items[j].hits > self.items[i].hits:
@@ -93,7 +99,7 @@ class Cluster:
             decision = self._may_merge(*pair, float(gaps[i, j]), int(together[i, j]))
             if decision is not None:
                 return i, j, decision
-            refused[i, j] = refused[j, i] = True
+            open_[i, j] = open_[j, i] = False
         return None
 
     def fuse_labels(self) -> None:
@@ -222,9 +228,14 @@ class Cluster:
         unmatched in those frames goes; the slots become the others' hits.
         """
         gone: list[tuple[Item, list[tuple[Item, Ints]]]] = []
+        if len(self.items) < 2:
+            return gone
+        reach = reach_matrix(self.items)
+        place = {id(item): k for k, item in enumerate(self.items)}
         for item in sorted(self.items, key=strength):
+            near = reach[:, place[id(item)]]
             others = [
-                o for o in self.items if o is not item and agree(o, item) and in_reach(o, item)
+                o for o in self.items if o is not item and near[place[id(o)]] and agree(o, item)
             ]
             if not others or item.hits < 2:
                 continue
@@ -256,3 +267,9 @@ class Cluster:
                 other.seen[own] = True
                 out.append((other, own))
         return out
+
+
+def _worth_asking(gaps: Floats, parts: Bools, together: Floats, least_hits: Ints) -> Bools:
+    """Tell for which pairs the rules of merging may say yes: what can be told all at once."""
+    near = (gaps < MERGE_GATE) | (parts & ((gaps < MERGE_FAR_GATE) | (together == 0)))
+    return np.asarray(near & (gaps < NEVER / 2) & (together <= TOGETHER_SHARE * least_hits))
