@@ -27,8 +27,8 @@ CONTAINERS = frozenset(
     ("basket", "bowl", "box", "bucket", "crate", "cup", "mug", "pan", "pot", "vase")
 )
 """Low things that one looks into: what they hide in part lies in them. A plate hides nothing."""
-Option = tuple[bool, float, float, int]
-"""Sorts landmarks: lesser, gap, distance of centres (metres); and the landmark's index."""
+Option = tuple[bool, int, float, float, int]
+"""Sorts landmarks: lesser, kind, gap, distance of centres (metres); and the landmark's index."""
 
 
 def relation_matrix(low_m: Floats, high_m: Floats) -> NDArray[np.int64]:
@@ -78,9 +78,7 @@ def _rests(low_m: Floats, high_m: Floats, level_m: Floats) -> Bools:
     return np.asarray(rests)
 
 
-def _kinds(
-    low_m: Floats, high_m: Floats, rests: Bools, names: list[str], same: Bools
-) -> NDArray[np.int64]:
+def _kinds(low_m: Floats, high_m: Floats, rests: Bools, names: list[str]) -> NDArray[np.int64]:
     """Return how things stand to landmarks.
 
     Only what is larger on the ground carries or holds a thing; of one class what is not much
@@ -91,21 +89,22 @@ def _kinds(
 
     Args:
         rests: see :func:`_rests`.
-        same: pairs of one class.
     """
     kinds = relation_matrix(low_m, high_m)
     size = high_m - low_m
     area = size[:, 0] * size[:, 1]
     low = size[:, 2] <= LOW_M
+    _, number = np.unique(names, return_inverse=True)
+    same = number[:, None] == number[None]
     kinds[(kinds == ON) & ~rests & (low[None] | same)] = NEAR
     piled = rests & low[None]
     kinds[piled] = ON
-    sunk = np.array([name in CONTAINERS for name in names])[None] & ~same
+    hollow = np.array([name in CONTAINERS for name in names])
+    sunk = hollow[None] & ~same
     sunk &= size[:, None, :2].max(axis=2) <= FITS_SHARE * size[None, :, :2].max(axis=2)
     sunk &= (size[:, 2] < size[:, :2].min(axis=1))[:, None]
     kinds[piled & sunk] = AT
-    closed = low & np.array([name not in CONTAINERS for name in names])
-    kinds[(kinds == AT) & (same | closed[None])] = NONE
+    kinds[(kinds == AT) & (same | (low & ~hollow)[None])] = NONE
     kinds[same & (kinds == NEAR)] = NONE
     held = np.isin(kinds, (ON, AT))
     holds = area[None] > area[:, None]
@@ -129,12 +128,6 @@ def _lesser(size_m: Floats) -> tuple[Bools, Bools]:
     return np.asarray(~best), np.asarray(~furniture[None] & small)
 
 
-def _alike(graphs: list[ObjectGraph]) -> Bools:
-    """Tell which pairs have one class, (n, n)."""
-    _, number = np.unique([graph.name for graph in graphs], return_inverse=True)
-    return np.asarray(number[:, None] == number[None])
-
-
 def spatial_relations(
     instances: list[Found],
     graphs: list[ObjectGraph],
@@ -152,55 +145,57 @@ def spatial_relations(
         return []
     low = np.array([found.low_m for found in instances])
     high = np.array([found.high_m for found in instances])
-    size, center = high - low, (low + high) / 2
-    same = _alike(graphs)
-    names = [graph.name for graph in graphs]
     level = np.array([found.center_m[2] for found in instances])
-    rests = _rests(low, high, level)
-    piled = rests & (size[:, 2] <= LOW_M)[None]
-    kinds = _kinds(low, high, rests, names, same)
+    names = [graph.name for graph in graphs]
+    kinds = _kinds(low, high, _rests(low, high, level), names)
     kinds[:, [name in no_landmarks for name in names]] = NONE
-    lesser, never = _lesser(size)
+    lesser, never = _lesser(high - low)
     kinds[never & (kinds == NEAR)] = NONE
-    gaps = np.clip(np.maximum(low[:, None] - high[None], low[None] - high[:, None]), 0, None)
-    gap = np.hypot(gaps[..., 0], gaps[..., 1])
-    on = kinds == ON
-    gap[on] = np.abs(low[:, None, 2] - high[None, :, 2])[on]
     held = np.isin(kinds, (ON, AT))
+    piled = held & (high[:, 2] - low[:, 2] <= LOW_M)[None]
     lesser[held] = ~piled[held]
-    gap[piled & held] = (level[:, None] - level[None])[piled & held]
+    gap = _gaps(low, high, kinds)
+    gap[piled] = np.abs(level[:, None] - level[None])[piled]
+    center = (low + high) / 2
     apart = np.linalg.norm(center[:, None] - center[None], axis=2)
-    keys = [identity(graph) for graph in graphs]
     out = []
-    for i in range(len(instances)):
-        options: dict[str, list[Option]] = {kind: [] for kind in ORDER}
+    keys = [identity(graph) for graph in graphs]
+    for i, row in enumerate(kinds.tolist()):
+        options: list[Option] = []
         for j in np.flatnonzero(kinds[i]).tolist():
-            option = (bool(lesser[i, j]), round(float(gap[i, j]), 4), round(float(apart[i, j]), 4))
-            options[ORDER[int(kinds[i, j]) - 1]].append((*option, j))
-        out.append(_chosen(options, graphs, keys, max_near))
+            # In a pile it does not count whether a thing lies on or in the next one.
+            order = row[j] if lesser[i, j] else 0
+            ranks = round(float(gap[i, j]), 4), round(float(apart[i, j]), 4)
+            options.append((bool(lesser[i, j]), order, *ranks, j))
+        out.append(_chosen(sorted(options), row, graphs, keys, max_near))
     return out
+
+
+def _gaps(low_m: Floats, high_m: Floats, kinds: NDArray[np.int64]) -> Floats:
+    """Return how far A is from B on the ground; where it is on B, from B's top; (n, n)."""
+    gaps = np.maximum(low_m[:, None] - high_m[None], low_m[None] - high_m[:, None])
+    gap: Floats = np.hypot(*np.moveaxis(np.clip(gaps[..., :2], 0, None), 2, 0))
+    on = kinds == ON
+    gap[on] = np.abs(low_m[:, None, 2] - high_m[None, :, 2])[on]
+    return gap
 
 
 def _chosen(
-    options: dict[str, list[Option]], graphs: list[ObjectGraph], keys: list[str], max_near: int
+    options: list[Option],
+    kinds: list[int],
+    graphs: list[ObjectGraph],
+    keys: list[str],
+    max_near: int,
 ) -> list[Relation]:
-    """Return one holder (of a pile, else on before at) and landmarks; equal landmarks once."""
-    holders = [(option[0], k, option) for k, kind in enumerate(HOLDS) for option in options[kind]]
-    # In a pile the highest holder wins, whether the thing lies on it or in it.
-    holders.sort(key=lambda one: one if one[0] else (False, 0, one[2]))
-    out: list[Relation] = []
-    named: dict[str, None] = {}
-    for _, _, (*_, j) in holders[:1]:
-        kind = next(kind for kind in HOLDS if any(option[-1] == j for option in options[kind]))
-        named[keys[j]] = None
-        out.append(Relation(kind, graphs[j]))
-    near = 0
-    for *_, j in sorted(options["is-near"]):
-        if near < max_near and keys[j] not in named:
-            named[keys[j]] = None
-            near += 1
-            out.append(Relation("is-near", graphs[j]))
-    return out
+    """Return the first holder and the first landmarks near; equal landmarks once."""
+    holder = [option[-1] for option in options if kinds[option[-1]] != NEAR][:1]
+    named = {keys[j] for j in holder}
+    near: list[int] = []
+    for *_, j in options:
+        if kinds[j] == NEAR and len(near) < max_near and keys[j] not in named:
+            named.add(keys[j])
+            near.append(j)
+    return [Relation(ORDER[kinds[j] - 1], graphs[j]) for j in holder + near]
 
 
 def captioned_relations(found: Found, share: float) -> list[Relation]:
