@@ -7,7 +7,10 @@ blue/light blue are not. A hypernym is satisfied by its kinds, not the reverse.
 
 from __future__ import annotations
 
+import functools
 import re
+
+CACHED = 8192
 
 SAME_NAME = {
     "couch": "sofa",
@@ -137,6 +140,7 @@ def singular(word: str) -> str:
     return word[:-1]
 
 
+@functools.lru_cache(maxsize=CACHED)
 def canonical_name(name: str) -> str:
     """Return the canonical class name: lower case, singular head noun, one synonym.
 
@@ -164,6 +168,7 @@ def split_camel_case(object_type: str) -> str:
     return re.sub(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", " ", object_type).lower()
 
 
+@functools.lru_cache(maxsize=CACHED)
 def name_satisfies(said: str, seen: str) -> bool:
     """Tell whether a thing called ``seen`` is what ``said`` names.
 

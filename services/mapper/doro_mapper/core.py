@@ -128,7 +128,6 @@ class Mapper:
         answer = self._answer
         wanted = request.name.strip()
         chosen = [i for i in answer.counted if not wanted or name_satisfies(wanted, i.graph.name)]
-        loose = [i for i in answer.tentative if not wanted or name_satisfies(wanted, i.graph.name)]
         return Instances(
             stamp_ns=self._stamp_ns,
             episode=self._episode or "",
@@ -138,7 +137,7 @@ class Mapper:
             digest=area.digest(),
             unseen_share=area.coverage.unseen_share(),
             instances=with_carried(chosen, answer.counted, request.carried, world),
-            tentative=loose,
+            tentative=answer.tentative_of(wanted),
             gone=answer.gone_of(wanted),
             one_sided_share=area.coverage.one_sided_share(),
         )

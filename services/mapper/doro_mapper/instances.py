@@ -25,13 +25,23 @@ class Answer:
 
     Attributes:
         counted: instances, ordered by class and number.
-        tentative: things seen too little to count.
+        loose: things seen too little to count; there may be many, so that messages wait.
         gone: by id given that stands for no counted instance: the word, and its class.
     """
 
     counted: list[Instance]
-    tentative: list[Instance]
+    loose: list[Found]
     gone: list[tuple[GoneInstance, str]]
+    world: World
+    settings: MapperSettings
+
+    def tentative_of(self, name: str) -> list[Instance]:
+        """Return things of a class and its kinds that were seen too little; of all for no name."""
+        return [
+            _message(found, _voted(found), self.world, self.settings)
+            for found in self.loose
+            if not name or name_satisfies(name, found.name)
+        ]
 
     def gone_of(self, name: str) -> list[GoneInstance]:
         """Return what is gone of a class and its kinds; of all for no name."""
@@ -58,12 +68,8 @@ def build(
         _message(found, ObjectGraph(graph.name, graph.attributes, related), world, settings)
         for found, graph, related in zip(counted, graphs, relations, strict=True)
     ]
-    loose = [
-        _message(found, _voted(found), world, settings)
-        for found in ordered
-        if found.tentative and not found.gone
-    ]
-    return Answer(messages, loose, _gone(ordered, lost))
+    loose = [found for found in ordered if found.tentative and not found.gone]
+    return Answer(messages, loose, _gone(ordered, lost), world, settings)
 
 
 def _give_ids(counted: list[Found]) -> None:
@@ -101,7 +107,7 @@ def _gone(ordered: list[Found], lost: list[str]) -> list[tuple[GoneInstance, str
 
 
 def _message(found: Found, graph: ObjectGraph, world: World, settings: MapperSettings) -> Instance:
-    if found.parts is None or found.parts.runner_up != found.votes.second():
+    if found.parts is None:
         found.parts = _parts(found, world, settings)
     parts: Instance = found.parts
     return Instance(
