@@ -27,6 +27,6 @@ def bench_mapper(json_path: Path | None, recording: Path | None, frames: int) ->
         figures = run_bench(recording or sample, frames)
     table = Table("figure", "value", "wanted", title="Mapper, one thread, CPU time")
     for name, value in figures.items():
-        table.add_row(name, str(value), TARGETS.get(name.rsplit("/", 1)[-1], ""))
+        table.add_row(name, str(value), TARGETS.get(name, ""))
     Console().print(table)
     write_figures(json_path, figures, f"doro bench mapper --frames {frames}")
