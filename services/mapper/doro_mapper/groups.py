@@ -245,13 +245,13 @@ class Groups:
     def _number(self) -> None:
         """Give ids to things that now count as instances, in order of their first track."""
         hits, least = self._table.hits, self._settings.min_hits
-        few = self._views.total >= self._settings.few_views
+        long = self._views.total >= self._settings.few_views
         for main in sorted(self._groups):
             group = self._groups[main]
             rows = group.item.rows
             if main in self._ids or any(row in self._ids for row in rows):
                 continue
-            if few and len(rows) == 1 and group.read is None and hits[main] < least:
+            if long and len(rows) == 1 and group.read is None and hits[main] < least:
                 continue
             if enough(*self._counted(group), self._views.total, self._settings):
                 name = self._votes[main].look()[0].replace(" ", "-")
