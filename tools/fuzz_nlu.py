@@ -180,8 +180,8 @@ def fuzz(count: int, seed: int, tagger: str) -> dict[str, object]:
     for number, payload in enumerate(strings(count, seed, base_texts()), 1):
         try:
             run.feed(payload)
-        except Exception:
-            print(f"string {number} of seed {seed}: {payload[:300]!r}", file=sys.stderr)
+        except Exception as error:
+            error.add_note(f"string {number} of seed {seed}: {payload[:300]!r}")
             raise
         if number % 10_000 == 0:
             done = f"{number} strings, longest {run.longest_ms:.1f} ms, {dict(run.outcomes)}"
