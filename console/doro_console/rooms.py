@@ -48,7 +48,7 @@ def render(arguments: tuple[str, ...]) -> None:
     multiple=True,
     default=("paper",),
     show_default=True,
-    help="paper (the 107), extra, chairs, chairs-tune, stacks, stacks-tune; repeatable.",
+    help="paper (the 107), extra, chairs, stacks, or chairs-, stacks-, copies-tune; repeatable.",
 )
 @click.option("--only", multiple=True, help="Only this recording, room or part; repeatable.")
 @click.option("--seed", default=7, show_default=True, help="Chooses rooms, copies and views.")

@@ -34,7 +34,7 @@ def test_the_papers_set_is_not_changed_by_the_other_parts() -> None:
     assert plan_part("paper") == plan_set()
     assert len(plan_set()) == 107
     names = [row.name for row in plan_all()]
-    assert len(names) == len(set(names)) == 107 + 34 + 10 + 10 + 34 + 15
+    assert len(names) == len(set(names)) == 107 + 34 + 10 + 10 + 34 + 15 + 26
     with pytest.raises(Refused, match="no part 'moon'"):
         plan_part("moon")
 
@@ -59,6 +59,16 @@ def test_extra_rooms_have_enough_items_of_three_and_more() -> None:
     assert totals[4] >= 50
     assert totals[5] >= 50
     assert plan_part("extra") == plan_part("extra")
+
+
+def test_rooms_for_tuning_have_pairs_too() -> None:
+    rows = plan_part("copies-tune")
+    totals: Counter[int] = Counter()
+    for row in rows:
+        own = Counter(item.object_type for item in load_layout(row.room).objects)
+        totals.update(own[kind] + count for kind, count in row.more)  # type: ignore[attr-defined]
+    assert set(totals) == {2, 3, 4, 5}
+    assert min(totals.values()) >= 20
 
 
 def test_four_identical_chairs_face_the_table_and_touch_nothing(room: Scene) -> None:

@@ -1,7 +1,8 @@
 """Recordings beyond the paper's 107: high counts, chairs round a table, stacks.
 
 - ``extra``: the 34 test rooms once more, each with four classes of which there are 3 to 5, so
-  that the high counts of Table II are no noise.
+  that the high counts of Table II are no noise; ``copies-tune``: the other 26 kitchens and living
+  rooms, each with four classes of which there are 2 to 5.
 - ``chairs``: four identical chairs round a table in ten of the test rooms; ``chairs-tune``: in
   ten other rooms.
 - ``stacks``: up to four piles in each of the test rooms; ``stacks-tune``: in fifteen others.
@@ -28,13 +29,21 @@ from doro_sim_feeder.rooms.scene import Scene
 from doro_sim_feeder.rooms.stacks import add_stacks
 
 PAPER = "paper"
-MORE_PARTS = ("extra", "chairs", "chairs-tune", "stacks", "stacks-tune")
+MORE_PARTS = ("extra", "chairs", "chairs-tune", "stacks", "stacks-tune", "copies-tune")
 CLASSES_A_ROOM, LARGE_A_ROOM = 4, 1
 WANTED = {3: 1.0, 4: 2.0, 5: 2.0}
 """How often a total is wanted beside the others; the paper's set has few of 4 and 5."""
+WANTED_TUNING = {2: 1.0, 3: 1.0, 4: 1.0, 5: 1.0}
 PILES_A_ROOM = 4
 TUNING_STACK_ROOMS = 15
-SEEDS = {"extra": 100, "chairs": 200, "chairs-tune": 300, "stacks": 400, "stacks-tune": 500}
+SEEDS = {
+    "extra": 100,
+    "chairs": 200,
+    "chairs-tune": 300,
+    "stacks": 400,
+    "stacks-tune": 500,
+    "copies-tune": 600,
+}
 """Added to the set's seed, so that no two parts share a random stream."""
 CHAIR_ROOMS = {
     "chairs": (2, 8, 10, 13, 18, 203, 205, 206, 209, 228),
@@ -82,7 +91,11 @@ def plan_part(part: str, seed: int = DEFAULT_SEED) -> list[SetRow]:
         raise Refused(f"there is no part '{part}': use {', '.join((PAPER, *MORE_PARTS))}")
     chosen = rooms_of_test(seed)
     if part == "extra":
-        return list(_extra(chosen, seed))
+        return list(_copies(part, chosen, seed, WANTED))
+    if part == "copies-tune":
+        names = [name for kind in (KITCHEN, LIVING) for name in room_names(kind)]
+        rooms = [name for name in names if name not in chosen]
+        return list(_copies(part, rooms, seed, WANTED_TUNING))
     if part in CHAIR_ROOMS:
         return [_row(part, f"FloorPlan{number}", seed) for number in CHAIR_ROOMS[part]]
     rooms = chosen if part == "stacks" else _other_rooms(chosen, seed)[:TUNING_STACK_ROOMS]
@@ -119,9 +132,9 @@ def _row(
     )
 
 
-def _extra(rooms: list[str], seed: int) -> list[ArrangedRow]:
-    """Return the rooms with four classes each; classes and totals are spread evenly."""
-    rng = np.random.default_rng([seed, SEEDS["extra"]])
+def _copies(part: str, rooms: list[str], seed: int, wanted: dict[int, float]) -> list[ArrangedRow]:
+    """Return the rooms with four classes each; classes and totals are spread as is wanted."""
+    rng = np.random.default_rng([seed, SEEDS[part]])
     used: Counter[str] = Counter()
     totals: Counter[int] = Counter()
     rows = []
@@ -130,29 +143,28 @@ def _extra(rooms: list[str], seed: int) -> list[ArrangedRow]:
         own = Counter(item.object_type for item in layout.objects)
         picked: list[tuple[EvaluatedClass, int]] = []
         for _ in range(CLASSES_A_ROOM):
-            item, total = _pick(picked, own, layout.kind, (used, totals), rng)
+            item, total = _pick(picked, (own, layout.kind, wanted), (used, totals), rng)
             picked.append((item, total))
             used[item.object_type] += 1
             totals[total] += 1
         more = tuple((item.object_type, total - own[item.object_type]) for item, total in picked)
-        rows.append(_row("extra", room, seed, more=more))
+        rows.append(_row(part, room, seed, more=more))
     return rows
 
 
 def _pick(
     picked: list[tuple[EvaluatedClass, int]],
-    own: Counter[str],
-    kind: str,
+    room: tuple[Counter[str], str, dict[int, float]],
     counts: tuple[Counter[str], Counter[int]],
     rng: np.random.Generator,
 ) -> tuple[EvaluatedClass, int]:
-    used, totals = counts
+    (own, kind, wanted), (used, totals) = room, counts
     taken = {item.object_type for item, _ in picked}
     large = sum(item.size == "large" for item, _ in picked)
     options = [
         (used[item.object_type], totals[total] / share, float(rng.random()), item, total)
         for item in CLASSES
-        for total, share in WANTED.items()
+        for total, share in wanted.items()
         if kind in item.kinds
         and item.object_type not in taken
         and own[item.object_type] < total <= item.most
