@@ -184,7 +184,8 @@ class Groups:
         if len(rows) == 1:
             self._keep(Group(item_of(rows[0], table, self._votes[rows[0]]), None, []))
             return
-        cluster = Cluster(rows, table, self._views, self._votes)
+        cannot_link = "cannot_link" not in self._settings.without
+        cluster = Cluster(rows, table, self._views, self._votes, cannot_link)
         cluster.merge()
         cluster.fuse_labels()
         gone = cluster.prune()

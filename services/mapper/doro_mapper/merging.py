@@ -53,8 +53,14 @@ class Cluster:
     """Items of one neighbourhood, being merged and pruned."""
 
     def __init__(
-        self, rows: list[int], table: TrackTable, views: Views, votes: dict[int, Votes]
+        self,
+        rows: list[int],
+        table: TrackTable,
+        views: Views,
+        votes: dict[int, Votes],
+        cannot_link: bool = True,
     ) -> None:
+        self._link = 1.0 if cannot_link else 0.0
         self._table = table
         self._views = views
         self._votes = votes
@@ -66,7 +72,7 @@ class Cluster:
         items = self.items
         gaps, parts = gaps_between(items, items)
         seen = np.array([item.seen for item in items], dtype=np.float32)
-        together: Floats = (seen @ seen.T).astype(np.float64)
+        together: Floats = self._link * (seen @ seen.T).astype(np.float64)
         hits = np.array([item.hits for item in items])
         open_: Bools = _worth_asking(gaps, parts, together, np.minimum(hits[:, None], hits))
         merged_away = np.zeros(len(items), dtype=bool)
@@ -77,7 +83,7 @@ class Cluster:
             near, part = gaps_between([items[i]], items)
             seen[i] = items[i].seen
             gaps[i] = gaps[:, i] = near[0]
-            together[i] = together[:, i] = seen @ seen[i]
+            together[i] = together[:, i] = self._link * (seen @ seen[i])
             merged_away[j] = True
             least = np.minimum(hits[i], hits)
             asked = _worth_asking(near[0], part[0], together[i], least) & ~merged_away
@@ -117,7 +123,8 @@ class Cluster:
             if min(larger.hits, smaller.hits) < LABEL_HITS:
                 continue
             either = int((larger.seen | smaller.seen).sum())
-            if either >= LABEL_VIEWS and not (larger.seen & smaller.seen).any():
+            both = self._link * float((larger.seen & smaller.seen).sum())
+            if either >= LABEL_VIEWS and not both:
                 joined = self._joined(larger, smaller, measured=True)
                 self.items = [joined if item in (larger, smaller) else item for item in self.items]
         self.items = list({id(item): item for item in self.items}.values())

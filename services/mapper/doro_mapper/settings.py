@@ -25,6 +25,7 @@ NO_LANDMARKS = (
 )
 
 
+Part = Literal["cannot_link", "observability", "voting"]
 MAX_SAMPLES = 32
 """Per side: a box's samples are numbered with 10 bits."""
 
@@ -61,6 +62,9 @@ class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
         max_near: is-near landmarks listed per instance.
         no_landmarks: classes that no measured relation leads to: too many of a kind in a room,
             too small or too flat to say where something is. Captions may still name them.
+        without: parts of ``tracks`` that are left out, to measure what they are worth:
+            ``cannot_link`` (two things of one frame are two), ``observability`` (views that should
+            have seen a thing and did not), ``voting`` (the first view says what a thing is).
         planner: of the next view, table ``[mapper.planner]``.
     """
 
@@ -88,6 +92,7 @@ class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
     relation_share: float = 0.3
     max_near: int = 3
     no_landmarks: tuple[str, ...] = NO_LANDMARKS
+    without: tuple[Part, ...] = ()
     planner: PlannerSettings = PlannerSettings()
 
     def __post_init__(self) -> None:

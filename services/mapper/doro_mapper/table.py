@@ -52,8 +52,8 @@ class TrackTable:
     Memory: 12 kB a row with 2000 views.
     """
 
-    def __init__(self, views: Views) -> None:
-        self._views = views
+    def __init__(self, views: Views, observes: bool = True) -> None:
+        self._views, self._observes = views, observes
         self.n = 0
         self._free: list[int] = []
         self._born = 0
@@ -240,6 +240,8 @@ class TrackTable:
 
     def look(self, serial: int) -> None:
         """Take account of a view: which tracks it should have seen; after its hits."""
+        if not self._observes:
+            return
         slot = int(self._views.slots([serial])[0])
         near = self._near(self._views.position_m(serial))
         expected, empty = self._expect(near, slot)
@@ -292,6 +294,8 @@ class TrackTable:
         self.checked_center_m[row] = self.center_m[row]
         self.checked_size_m[row] = size
         self.expected[row] = False
+        if not self._observes:
+            return
         slots = should_see(
             self._views, self.center_m[row], size, float(self.area_m2[row]), self.probe_m[row]
         )

@@ -43,7 +43,8 @@ class TrackFinder:
     def __init__(self, settings: MapperSettings, views: Views) -> None:
         self._settings = settings
         self._views = views
-        self._table = TrackTable(views)
+        self._table = TrackTable(views, observes="observability" not in settings.without)
+        self._first_only = "voting" in settings.without
         self._votes: dict[int, Votes] = {}
         self._family: dict[int, str] = {}
         self._groups = Groups(settings, views, self._table, self._votes)
@@ -57,7 +58,8 @@ class TrackFinder:
             owner, measured = self._associate(frame)
             table.hit(owner, slot, serial)
             for row, sighting in zip(owner.tolist(), frame.sightings, strict=True):
-                self._votes[row].add(sighting)
+                if not (self._first_only and self._votes[row].names):
+                    self._votes[row].add(sighting)
             which = np.flatnonzero(measured)
             key = priority(frame.camera, frame.frame)
             table.add(owner[which], which, frame.measured, frame.weights(), key)
