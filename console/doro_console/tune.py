@@ -24,7 +24,8 @@ def tune(data: Path, out: Path, model: Path | None, extend: bool, steps: int, se
 
     Needs torch and onnx: pip install 'doro-nlu[train]'. Use the result with nlu.model_dir.
     """
-    from doro_nlu.train.tune import Job, table, tune
+    from doro_nlu.train.tune import table, tune
+    from doro_nlu.train.tune_job import Job
 
     job = Job(data=data, out=out, model=model, extend=extend, steps=steps, seed=seed)
     click.echo(table(tune(job)))

@@ -10,8 +10,9 @@ from doro_nlu.labels import LABELS
 from doro_nlu.tagger import load_tagger
 from doro_nlu.train.annotate import Example, annotate
 from doro_nlu.train.evaluate import evaluate
-from doro_nlu.train.tune import Job, table, tune
+from doro_nlu.train.tune import table, tune
 from doro_nlu.train.tune_data import extended, read_annotations, split
+from doro_nlu.train.tune_job import Job
 from doro_schemas.errors import Refused
 
 TEXT = "bring the {C red} {O cup} {P on} the {R table}"

@@ -13,40 +13,18 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-import msgspec
-
 from doro_nlu.encoder import EncoderTagger, Pieces
 from doro_nlu.onnx_files import VOCABULARY_FILE, read_vocabulary
 from doro_nlu.tagger import SHIPPED
 from doro_nlu.train.annotate import Example
 from doro_nlu.train.evaluate import LabelScore, Report, evaluate, held_out_examples
 from doro_nlu.train.tune_data import Split, extended, read_annotations, split
+from doro_nlu.train.tune_job import Job
 from doro_schemas.errors import Refused
 
 GENERATED_SENTENCES = 1000
 Reports = dict[str, tuple[Report, Report]]
 """Test set to the reports before and after."""
-
-
-class Job(msgspec.Struct, frozen=True, kw_only=True):
-    """What to tune and how.
-
-    Attributes:
-        data: the labelled sentences, ``.jsonl`` or BIO.
-        out: directory to write, made if need be.
-        model: directory of the encoder to start from; None = the shipped default.
-        extend: learn types that the tagger does not know.
-        steps, batch, rate, seed: of the training.
-    """
-
-    data: Path
-    out: Path
-    model: Path | None = None
-    extend: bool = False
-    steps: int = 200
-    batch: int = 16
-    rate: float = 1e-4
-    seed: int = 7
 
 
 def tune(job: Job) -> Reports:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from random import Random
-from typing import TYPE_CHECKING
 
 import numpy as np
 import torch
@@ -20,11 +19,9 @@ from doro_nlu.train.fit import Plan, fit
 from doro_nlu.train.graph import Weights, layers_of, read_weights
 from doro_nlu.train.stream import batches
 from doro_nlu.train.tune_data import Split
+from doro_nlu.train.tune_job import Job
 from doro_nlu.wordpiece import ROW_PIECES
 from doro_schemas.errors import Refused
-
-if TYPE_CHECKING:
-    from doro_nlu.train.tune import Job
 
 _HEAD_BOOST = 10.0
 
