@@ -66,10 +66,10 @@ def progress_bar() -> Progress:
     return Progress(*columns, TimeElapsedColumn(), console=talk, transient=True)
 
 
-def show(table: Table) -> None:
+def show(table: Table, width: int = WIDE) -> None:
     """Print a table on stdout; into a file or a pipe it is as wide as it needs to be."""
     console = Console()
-    (console if console.is_terminal else Console(width=WIDE)).print(table)
+    (console if console.is_terminal else Console(width=width)).print(table)
 
 
 def ensure_set(options: Options, name: str, part: str, seed: int = 7) -> Path:
@@ -77,6 +77,7 @@ def ensure_set(options: Options, name: str, part: str, seed: int = 7) -> Path:
 
     A folder that was named and has recordings of the part is taken as it is.
     """
+    from doro_console.references import write_references
     from doro_evaluation.runs import PARTS
     from doro_sim_feeder.rooms.make_set import Render, make_set, write_manifest
     from doro_sim_feeder.rooms.more_sets import plan_all
@@ -94,6 +95,8 @@ def ensure_set(options: Options, name: str, part: str, seed: int = 7) -> Path:
         for one in make_set(rows, Render(folder), options.workers):
             made.append(one)
             progress.update(task, advance=1, description=one.row.name)
+    for one in made:
+        write_references(folder, one.truth)
     write_manifest(plan_all(seed), made, Render(folder), seed)
     return folder
 

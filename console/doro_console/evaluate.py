@@ -13,7 +13,7 @@ from doro_console.caption import perception
 from doro_console.counting import chairs, counting, stacks
 from doro_console.options import says_refusals, talk
 from doro_console.planning import planning
-from doro_console.queries import queries
+from doro_console.queries import multi_view, queries, single_view
 
 JSON = click.Path(path_type=Path, dir_okay=False)
 FOLDER = click.Path(path_type=Path, file_okay=False, exists=True)
@@ -68,5 +68,5 @@ def tagging(
     write_figures(json_path, figures, f"doro eval tagging --seed {seed}", seed)
 
 
-for command in (counting, chairs, stacks, perception, planning, queries):
+for command in (counting, chairs, stacks, perception, planning, queries, single_view, multi_view):
     evaluate.add_command(command)

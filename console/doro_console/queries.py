@@ -1,72 +1,136 @@
-"""``doro eval queries``: the whole system on (recording, instruction) pairs."""
+"""``doro eval queries``, ``single-view`` and ``multi-view``: the whole system on pairs."""
 
 from __future__ import annotations
 
-import sys
+from collections.abc import Callable, Sequence
+from functools import wraps
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+import msgspec
 
-from doro_console.options import says_refusals, talk
+from doro_console.counting import (
+    FILE,
+    Options,
+    ensure_set,
+    make_context,
+    progress_bar,
+    shared_options,
+    show,
+)
+from doro_console.options import says_refusals
 
-FOLDER = click.Path(path_type=Path, file_okay=False)
-FILE = click.Path(path_type=Path, dir_okay=False)
-COLUMNS = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+if TYPE_CHECKING:
+    from doro_evaluation.queries import QueryOutcome
+
+ERRORS = "cs+sd+fn"
+SYSTEMS = "ours,paper_literal"
+WIDE = 210
+
+
+class PairOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """Which pairs, and what is run on them."""
+
+    part: str = "test"
+    count: int = 600
+    errors: str = ERRORS
+    systems: str = SYSTEMS
+    pair_seed: int = 7
+    cases: Path | None = None
+
+    def command(self, name: str) -> str:
+        """Return the command that gives the same figures."""
+        return (
+            f"doro eval {name} --part {self.part} --pairs {self.count} --errors {self.errors}"
+            f" --systems {self.systems} --pair-seed {self.pair_seed}"
+        )
+
+
+def pair_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Add the options of the end-to-end tables, handed in as ``chosen``."""
+
+    @click.option("--part", type=click.Choice(["test", "validation"]), default="test")
+    @click.option("--pairs", "count", default=600, show_default=True, help="A third of each kind.")
+    @click.option("--errors", default=ERRORS, show_default=True, help="Of the detector.")
+    @click.option("--systems", default=SYSTEMS, show_default=True)
+    @click.option("--pair-seed", default=7, show_default=True, help="Draws the pairs.")
+    @click.option("--cases", type=FILE, help="Every pair, what was said and is true, JSON lines.")
+    @wraps(command)
+    def wrapped(**given: Any) -> None:
+        own = {name: given.pop(name) for name in PairOptions.__struct_fields__}
+        command(chosen=PairOptions(**own), **given)
+
+    return wrapped
+
+
+def run_pairs(options: Options, chosen: PairOptions) -> list[QueryOutcome]:
+    """Run the pairs through the systems behind a progress bar."""
+    from doro_evaluation.pairs import select_pairs
+    from doro_evaluation.query_runs import jobs_of, run_queries
+    from doro_evaluation.runs import error_names, recordings_of
+
+    part = "paper" if chosen.part == "test" else chosen.part
+    folder = ensure_set(options, "set", part)
+    # False positives come from the same rooms as in counting: runs are shared.
+    context = make_context(recordings_of(folder, chosen.part), chosen.part, options)
+    names = tuple(name.strip() for name in chosen.systems.split(",") if name.strip())
+    jobs = jobs_of(
+        recordings_of(folder, part),
+        select_pairs(folder, chosen.part, chosen.pair_seed, chosen.count),
+        errors=error_names(chosen.errors)[0],
+        systems=names,
+    )
+    outcomes: list[QueryOutcome] = []
+    with progress_bar() as progress:
+        task = progress.add_task("pairs", total=len(jobs))
+        for some in run_queries(jobs, context, options.workers):
+            outcomes += some
+            progress.update(task, advance=1, description=some[0].pair.episode)
+    return outcomes
+
+
+def run_tables(
+    name: str, tables: Sequence[str], options: Options, chosen: PairOptions
+) -> dict[str, Any]:
+    """Run, print tables, write figures and cases; return the figures."""
+    from doro_evaluation import query_report as report
+    from doro_evaluation.figures import write_figures
+
+    outcomes = run_pairs(options, chosen)
+    outcomes = [one for one in outcomes if report.row_of(one.view, one.system)[0] in tables]
+    scores = report.score_all(outcomes)
+    for table in report.tables_of(scores, only=tables):
+        show(table, WIDE)
+    if chosen.cases is not None:
+        report.write_cases(chosen.cases, outcomes)
+    figures = report.figures_of(scores)
+    write_figures(options.json_path, figures, chosen.command(name), options.seed)
+    return figures
 
 
 @click.command("queries")
-@click.option("--set", "folder", type=FOLDER, required=True, help="Made by doro rooms set.")
-@click.option("--part", type=click.Choice(["test", "validation"]), default="test")
-@click.option("--pairs", "count", default=600, show_default=True, help="A third of each kind.")
-@click.option("--errors", default="cs+sd+fn", show_default=True, help="Of the detector.")
-@click.option("--systems", default="ours,paper_literal", show_default=True)
-@click.option("--seed", default=7, show_default=True, help="Draws the pairs.")
-@click.option("--workers", type=click.IntRange(1, 16), default=2, show_default=True)
-@click.option("--fresh", is_flag=True, help="Do not use what was kept of earlier runs.")
-@click.option("--cases", type=FILE, help="Every pair with what was said and is true, JSON lines.")
-@click.option("--json", "json_path", type=FILE, help="Where to write the figures.")
+@pair_options
+@shared_options
 @says_refusals
-def queries(
-    folder: Path,
-    part: str,
-    count: int,
-    errors: str,
-    systems: str,
-    seed: int,
-    workers: int,
-    fresh: bool,
-    cases: Path | None,
-    json_path: Path | None,
-) -> None:
-    """QA, AA and BLEU on all views, on one view, and on one image (paper, Tables III, IV)."""
-    from doro_evaluation.figures import write_figures
-    from doro_evaluation.pairs import select_pairs
-    from doro_evaluation.queries import QueryOutcome
-    from doro_evaluation.query_report import figures_of, score_all, tables_of, write_cases
-    from doro_evaluation.query_runs import jobs_of, run_queries
-    from doro_evaluation.runs import error_names, make_pool, recordings_of
+def queries(options: Options, chosen: PairOptions) -> None:
+    """Both end-to-end tables: QA, AA, BLEU, BERTScore (paper, Tables III and IV)."""
+    run_tables("queries", ("single-view", "multi-view"), options, chosen)
 
-    chosen = error_names(errors)[0]
-    recordings = recordings_of(folder, "paper" if part == "test" else part)
-    cache = folder / "outcomes"
-    pool = make_pool(recordings, part, cache)
-    pairs = select_pairs(folder, part, seed, count)
-    names = [name.strip() for name in systems.split(",") if name.strip()]
-    jobs = jobs_of(
-        recordings, pairs, errors=chosen, systems=names, pool=pool, cache=cache, fresh=fresh
-    )
-    outcomes: list[QueryOutcome] = []
-    with Progress(*COLUMNS, console=talk, transient=True) as progress:
-        task = progress.add_task("recordings", total=len(jobs))
-        for found in run_queries(jobs, workers):
-            outcomes += found
-            progress.update(task, advance=1)
-    scores = score_all(outcomes)
-    for table in tables_of(scores):
-        Console(width=None if sys.stdout.isatty() else 120).print(table)
-    if cases is not None:
-        write_cases(cases, outcomes)
-    command = f"doro eval queries --part {part} --pairs {count} --errors {chosen} --seed {seed}"
-    write_figures(json_path, figures_of(scores), command, seed)
+
+@click.command("single-view")
+@pair_options
+@shared_options
+@says_refusals
+def single_view(options: Options, chosen: PairOptions) -> None:
+    """One view, judged by what the detector delivered of it (paper, Table III)."""
+    run_tables("single-view", ("single-view",), options, chosen)
+
+
+@click.command("multi-view")
+@pair_options
+@shared_options
+@says_refusals
+def multi_view(options: Options, chosen: PairOptions) -> None:
+    """All views merged, and one view judged by the whole room (paper, Table IV)."""
+    run_tables("multi-view", ("multi-view",), options, chosen)

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TypeVar
 
+import msgspec
 import numpy as np
+from numpy.typing import NDArray
 
 DRAWS = 1000
 LEVEL = 0.95
@@ -42,3 +44,48 @@ def interval(
         return float("nan"), float("nan")
     low, high = np.quantile(found, [(1 - LEVEL) / 2, (1 + LEVEL) / 2])
     return float(low), float(high)
+
+
+Statistic = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+"""Of summed tallies (n, k): the figure of each row, (n,); not a number where undefined."""
+
+
+class Score(msgspec.Struct, frozen=True):
+    """A figure with its 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+def tallied(
+    tallies: NDArray[np.float64], statistic: Statistic, seed: int = 0, draws: int = DRAWS
+) -> Score:
+    """Return a figure of summed tallies, with its interval over resampled rooms.
+
+    Args:
+        tallies: (rooms, k), what the figure is computed of, summed by room; whole rooms are
+            drawn, with replacement.
+    """
+    if not len(tallies):
+        return Score(float("nan"), float("nan"), float("nan"))
+    random = np.random.default_rng(seed)
+    weights = random.multinomial(len(tallies), np.full(len(tallies), 1 / len(tallies)), draws)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        value = float(statistic(tallies.sum(axis=0)[None])[0])
+        drawn = statistic(weights.astype(np.float64) @ tallies)
+    drawn = drawn[np.isfinite(drawn)]
+    if not drawn.size:
+        return Score(value, float("nan"), float("nan"))
+    low, high = np.quantile(drawn, [(1 - LEVEL) / 2, (1 + LEVEL) / 2])
+    return Score(value, float(low), float(high))
+
+
+def share(sums: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return column 0 over column 1: a share, or a mean."""
+    return np.asarray(sums[:, 0] / sums[:, 1])
+
+
+def f1(sums: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return F1 of (hits, said, true)."""
+    return np.asarray(2 * sums[:, 0] / (sums[:, 1] + sums[:, 2]))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import msgspec
 
@@ -60,9 +60,16 @@ def reported_views(room: Room, settings: PerceptionSettings | None = None) -> Co
     These are the frames that show 30 pixels of it or more, less those in which its box is
     smaller than perception takes.
     """
+    return reported_in(room, range(len(room.detections)), settings)
+
+
+def reported_in(
+    room: Room, views: Iterable[int], settings: PerceptionSettings | None = None
+) -> Counter[str]:
+    """Return the same for some of the views."""
     least = settings or PerceptionSettings()
     seen: Counter[str] = Counter()
-    for frame in room.detections:
+    for frame in (room.detections[view] for view in views):
         for item in frame.detections:
             box_px = clip_box(item.box_px, frame.height_px, frame.width_px)
             if big_enough(box_px, least.min_side_px, least.min_area_px):

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import msgspec
 
+from doro_evaluation.context import PARTS
 from doro_schemas.errors import Refused
 from doro_schemas.graph import ObjectGraph
 from doro_sim_feeder.rooms.expressions import KINDS
@@ -40,14 +41,15 @@ def select_pairs(folder: Path, part: str, seed: int, count: int = PAIRS) -> list
 
     Args:
         folder: as ``doro rooms set`` made it.
-        part: ``test`` (rooms as they are and with copies) or ``validation``.
+        part: ``test`` (rooms as they are and with copies, not ``extra``) or ``validation``.
 
     Raises:
         Refused: no instructions are there.
     """
+    wanted = PARTS["paper"] if part == "test" else (part,)
     by_kind: dict[str, list[Pair]] = defaultdict(list)
     for path in sorted(folder.glob(f"*{REFERENCES}")):
-        if path.name.startswith("validation") == (part == "validation"):
+        if path.name.split("-FloorPlan")[0] in wanted:
             for line in path.read_bytes().splitlines():
                 pair = msgspec.json.decode(line, type=Pair)
                 by_kind[pair.kind].append(pair)

@@ -12,17 +12,17 @@ import numpy as np
 from doro_dialogue.decision import Decision, decide, paper_literal
 from doro_dialogue.facts import Candidate
 from doro_dialogue.question import Question, compose, pick
-from doro_evaluation.chain import ERROR_MODELS, Language, Room, count_instances
+from doro_evaluation.chain import Room
 from doro_evaluation.judge import Truth, Verdict, identify, judge
-from doro_evaluation.outcomes import reported_views
+from doro_evaluation.maps import Found, MappedRoom
+from doro_evaluation.outcomes import reported_in, reported_views
 from doro_evaluation.pairs import Pair
-from doro_mapper.settings import MapperSettings
 from doro_nlu.core import Nlu
 from doro_schemas.graph import ObjectGraph
 from doro_schemas.messages import FrameGraphs, SimDetections
 from doro_schemas.vocabulary import canonical_name, name_satisfies, split_camel_case
 
-View = Literal["multi-view", "single-view", "image"]
+View = Literal["multi-view", "one-view", "single-view", "single-view-shown"]
 Decide = Callable[[ObjectGraph, Sequence[Candidate]], Decision]
 DECIDERS: dict[str, Decide] = {"ours": decide, "paper_literal": paper_literal}
 FINDERS = {"ours": "tracks", "paper_literal": "paper_literal"}
@@ -32,9 +32,10 @@ class QueryOutcome(msgspec.Struct, frozen=True):
     """How one pair came out in one row of a table.
 
     Attributes:
-        view: ``multi-view``: all views merged; ``single-view``: one view with the most
-            instances, judged by the whole room; ``image``: the same view, judged by what the
-            detector delivered of it (paper, Table III).
+        view: ``multi-view``: all views merged (paper, Table IV); ``one-view``: one view with the
+            most instances, judged by the whole room (Table IV, "single view");
+            ``single-view``: the same view, judged by what the detector delivered of it (Table
+            III); ``single-view-shown``: judged by what a perfect detector reports in it.
     """
 
     pair: Pair
@@ -67,18 +68,9 @@ class Speaker:
 
 
 def multi_view(
-    room: Room,
-    pairs: Sequence[Pair],
-    graphs: Sequence[FrameGraphs],
-    nlu: Nlu,
-    *,
-    system: str = "ours",
-    settings: MapperSettings | None = None,
+    room: Room, pairs: Sequence[Pair], found: Found, nlu: Nlu, *, system: str = "ours"
 ) -> Iterator[QueryOutcome]:
     """Yield the outcomes of a recording's pairs on the map of all its views."""
-    finder = FINDERS[system]
-    chosen = msgspec.structs.replace(settings or MapperSettings(), finder=finder)
-    found = count_instances(room, graphs, chosen)
     truth = Truth.of(room.truth, reported_views(room))
     identity = identify(found.instances, truth)
     candidates = [Candidate(one.instance_id, one.graph) for one in found.instances]
@@ -102,16 +94,16 @@ def single_view(
     speaker = Speaker(nlu, system)
     for pair in pairs:
         view = best_view(room.detections, pair)
-        candidates, identity = _of_view(graphs[view], room.detections[view])
+        candidates, identity = of_view(graphs[view], room.detections[view])
         said = speaker.say(pair, candidates, 0.0)
-        yield QueryOutcome(
-            pair, system, "single-view", judge(whole, pair.graph, pair.task, said, identity)
-        )
-        delivered = set(identity.values())
-        image = Truth.of(room.truth, delivered)
-        yield QueryOutcome(
-            pair, system, "image", judge(image, pair.graph, pair.task, said, identity)
-        )
+        truths: dict[View, Truth] = {
+            "one-view": whole,
+            "single-view": Truth.of(room.truth, set(identity.values())),
+            "single-view-shown": Truth.of(room.truth, reported_in(room, [view])),
+        }
+        for name, truth in truths.items():
+            verdict = judge(truth, pair.graph, pair.task, said, identity)
+            yield QueryOutcome(pair, system, name, verdict)
 
 
 def best_view(detections: Sequence[SimDetections], pair: Pair) -> int:
@@ -123,20 +115,19 @@ def best_view(detections: Sequence[SimDetections], pair: Pair) -> int:
 
 
 def run_room(
-    room: Room,
+    mapped: MappedRoom,
     pairs: Sequence[Pair],
-    language: Language,
     nlu: Nlu,
     *,
     errors: str = "cs+sd+fn",
     systems: Sequence[str] = ("ours", "paper_literal"),
 ) -> list[QueryOutcome]:
     """Return the outcomes of a recording's pairs for all rows of Tables III and IV."""
-    graphs = language.graphs(room, ERROR_MODELS[errors])
     outcomes: list[QueryOutcome] = []
     for system in systems:
-        outcomes += multi_view(room, pairs, graphs, nlu, system=system)
-        outcomes += single_view(room, pairs, graphs, nlu, system=system)
+        found = mapped.found(FINDERS[system], errors)
+        outcomes += multi_view(mapped.room, pairs, found, nlu, system=system)
+        outcomes += single_view(mapped.room, pairs, mapped.graphs(errors), nlu, system=system)
     return outcomes
 
 
@@ -144,7 +135,7 @@ def _count(frame: SimDetections, name: str) -> int:
     return sum(name_satisfies(name, _name(item.object_type)) for item in frame.detections)
 
 
-def _of_view(graphs: FrameGraphs, frame: SimDetections) -> tuple[list[Candidate], dict[str, str]]:
+def of_view(graphs: FrameGraphs, frame: SimDetections) -> tuple[list[Candidate], dict[str, str]]:
     """Return the candidates of one view, and which object each of them is.
 
     The detector's boxes were shifted, so an object is found by class and nearest box.

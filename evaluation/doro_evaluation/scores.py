@@ -1,35 +1,43 @@
-"""QA, AA and BLEU of outcomes, with 95 % intervals over rooms (paper, Section V-D).
+"""QA, AA, BLEU and similarity of outcomes, with 95 % intervals over rooms (paper, Section V-D).
 
 - QA: share of pairs whose query is right by the rule of ``judge``.
 - AA: F1 of "there is something to ask", every state but CONFIRM being positive; and the F1 over
   the four states, weighted by how often each is true.
 - BLEU-4: sacrebleu's corpus BLEU, all true wordings of a pair as its references, 0..1.
+- BERTScore and the cosine of sentence vectors: means over pairs of the best true wording.
+
+All are ratios of sums over pairs, so that an interval needs the sums of each room only: rooms are
+drawn with replacement, as recordings of one room are not independent.
 """
 
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import msgspec
+import numpy as np
+from numpy.typing import NDArray
 from sacrebleu.metrics.bleu import BLEU
 
-from doro_evaluation.bootstrap import interval
+from doro_evaluation.bootstrap import Score, Statistic, f1, share, tallied
+from doro_evaluation.context import room_of
 from doro_evaluation.queries import QueryOutcome
 
+__all__ = ["QueryScores", "Score", "ambiguity_f1", "bleu", "score_queries", "states_f1"]
+
 CLEAR = "CONFIRM"
-
-
-class Score(msgspec.Struct, frozen=True):
-    """A figure with its 95 % interval."""
-
-    value: float
-    low: float
-    high: float
+STATES = ("CONFIRM", "INFORM-AMBIGUITY", "INFORM-MISMATCH", "INFORM-MISSING")
+ORDERS = 4
+Tally = Callable[[QueryOutcome], Sequence[float]]
+Floats = NDArray[np.float64]
 
 
 class QueryScores(msgspec.Struct, frozen=True):
-    """The figures of one row of Table III or IV; ``faults`` counts what was wrong first."""
+    """The figures of one row of Table III or IV; ``faults`` counts what was wrong first.
+
+    ``bertscore`` and ``cosine`` are absent where their model is not installed.
+    """
 
     pairs: int
     qa: Score
@@ -38,61 +46,96 @@ class QueryScores(msgspec.Struct, frozen=True):
     state_accuracy: Score
     bleu: Score
     faults: dict[str, int]
+    bertscore: Score | None = None
+    cosine: Score | None = None
 
 
-def score_queries(outcomes: Sequence[QueryOutcome], seed: int = 0) -> QueryScores:
-    """Return the figures of the outcomes of one system in one view."""
-    rooms: dict[str, list[QueryOutcome]] = defaultdict(list)
-    for one in outcomes:
-        rooms[one.pair.episode].append(one)
-    groups = list(rooms.values())
+def score_queries(
+    outcomes: Sequence[QueryOutcome],
+    similar: Mapping[str, Sequence[float]] | None = None,
+    seed: int = 0,
+) -> QueryScores:
+    """Return the figures of the outcomes of one system in one view.
 
-    def scored(statistic: Callable[[list[QueryOutcome]], float]) -> Score:
-        return Score(statistic(list(outcomes)), *interval(groups, statistic, seed))
+    Args:
+        similar: by name (``bertscore``, ``cosine``) a value for each outcome.
+    """
+
+    def scored(tally: Tally, statistic: Statistic) -> Score:
+        return tallied(_by_room(outcomes, [tally(one) for one in outcomes]), statistic, seed)
 
     faults = Counter(one.verdict.fault for one in outcomes if one.verdict.fault)
+    more = {
+        name: tallied(_by_room(outcomes, [(value, 1.0) for value in values]), share, seed)
+        for name, values in (similar or {}).items()
+    }
     return QueryScores(
         pairs=len(outcomes),
-        qa=scored(lambda rows: _share(one.verdict.right for one in rows)),
-        aa=scored(ambiguity_f1),
-        aa_states=scored(states_f1),
-        state_accuracy=scored(lambda rows: _share(o.verdict.said == o.verdict.true for o in rows)),
-        bleu=bleu(outcomes),
+        qa=scored(lambda one: (one.verdict.right, 1), share),
+        aa=scored(_ambiguity, f1),
+        aa_states=scored(_states, _weighted_f1),
+        state_accuracy=scored(lambda one: (one.verdict.said == one.verdict.true, 1), share),
+        bleu=bleu(outcomes, seed),
         faults=dict(sorted(faults.items())),
+        **more,
     )
 
 
 def ambiguity_f1(outcomes: Sequence[QueryOutcome]) -> float:
     """Return the F1 of "something is to be asked or told" (all states but CONFIRM)."""
-    said = [one.verdict.said not in (CLEAR, "") for one in outcomes]
-    true = [one.verdict.true != CLEAR for one in outcomes]
-    hits = sum(a and b for a, b in zip(said, true, strict=True))
-    total = sum(said) + sum(true)
-    return 2 * hits / total if total else float("nan")
+    return _of_all(_ambiguity, f1, outcomes)
 
 
 def states_f1(outcomes: Sequence[QueryOutcome]) -> float:
     """Return the F1 over the four states, weighted by their true number."""
-    true = Counter(one.verdict.true for one in outcomes)
-    said = Counter(one.verdict.said for one in outcomes)
-    hits = Counter(o.verdict.true for o in outcomes if o.verdict.said == o.verdict.true)
-    f1 = {state: 2 * hits[state] / (true[state] + said[state]) for state in true}
-    return sum(f1[state] * count for state, count in true.items()) / max(len(outcomes), 1)
+    return _of_all(_states, _weighted_f1, outcomes)
 
 
-def bleu(outcomes: Sequence[QueryOutcome], draws: int = 1000) -> Score:
-    """Return the corpus BLEU-4 against all wordings, with sacrebleu's own bootstrap interval."""
-    texts = [one.verdict.text for one in outcomes]
-    most = max((len(one.verdict.references) for one in outcomes), default=0)
-    streams = [
-        [one.verdict.references[k] if k < len(one.verdict.references) else "" for one in outcomes]
-        for k in range(most)
-    ]
-    score = BLEU().corpus_score(texts, streams, n_bootstrap=draws)
-    half = score._ci
-    return Score(score.score / 100, (score._mean - half) / 100, (score._mean + half) / 100)
+def bleu(outcomes: Sequence[QueryOutcome], seed: int = 0) -> Score:
+    """Return the corpus BLEU-4 against all wordings; the sums are sacrebleu's of each sentence."""
+    metric = BLEU(effective_order=True)
+    tallies = []
+    for one in outcomes:
+        found = metric.sentence_score(one.verdict.text, one.verdict.references or [""])
+        tallies.append([*found.counts, *found.totals, found.sys_len, found.ref_len])
+    return tallied(_by_room(outcomes, tallies), _corpus_bleu, seed)
 
 
-def _share(flags: Iterable[bool]) -> float:
-    values = list(flags)
-    return sum(values) / len(values) if values else float("nan")
+def _corpus_bleu(sums: Floats) -> Floats:
+    """Return sacrebleu's corpus BLEU, 0..1, of rows (4 counts, 4 totals, lengths)."""
+    values = []
+    for row in sums.astype(int).tolist():
+        counts, totals, (said, meant) = row[:ORDERS], row[ORDERS : 2 * ORDERS], row[-2:]
+        values.append(BLEU.compute_bleu(counts, totals, said, meant, smooth_method="exp").score)
+    return np.array(values) / 100
+
+
+def _ambiguity(one: QueryOutcome) -> tuple[bool, bool, bool]:
+    said, true = one.verdict.said not in (CLEAR, ""), one.verdict.true != CLEAR
+    return said and true, said, true
+
+
+def _states(one: QueryOutcome) -> list[float]:
+    hits = [one.verdict.said == one.verdict.true == state for state in STATES]
+    said = [one.verdict.said == state for state in STATES]
+    return [*hits, *said, *(one.verdict.true == state for state in STATES)]
+
+
+def _weighted_f1(sums: Floats) -> Floats:
+    hits, said, true = np.split(sums, 3, axis=1)
+    each = 2 * hits / np.maximum(said + true, 1)
+    return np.asarray((each * true).sum(axis=1) / true.sum(axis=1))
+
+
+def _of_all(tally: Tally, statistic: Statistic, outcomes: Sequence[QueryOutcome]) -> float:
+    sums = np.array([tally(one) for one in outcomes], dtype=np.float64).sum(axis=0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return float(statistic(sums[None])[0])
+
+
+def _by_room(outcomes: Sequence[QueryOutcome], tallies: Sequence[Sequence[float]]) -> Floats:
+    """Return the sums by room, (rooms, k), rooms by name."""
+    rooms: dict[str, list[Sequence[float]]] = defaultdict(list)
+    for one, tally in zip(outcomes, tallies, strict=True):
+        rooms[room_of(one.pair.episode)].append(tally)
+    return np.array([np.sum(rooms[name], axis=0) for name in sorted(rooms)], dtype=np.float64)

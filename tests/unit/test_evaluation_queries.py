@@ -7,6 +7,7 @@ from pathlib import Path
 
 import msgspec
 import pytest
+from sacrebleu.metrics.bleu import BLEU
 
 from doro_dialogue.decision import decide
 from doro_dialogue.facts import Candidate
@@ -158,8 +159,32 @@ def test_bleu_takes_the_wording_that_fits_best() -> None:
     said = "I found one red cup near the sink; which one do you mean?"
     right = [outcome("A", "A", said, ("Which of the two?", said))]
     wrong = [outcome("A", "A", said, ("I could not find any such thing in this room.",))]
-    assert bleu(right, draws=10).value == pytest.approx(1.0)
-    assert bleu(wrong, draws=10).value < 0.2
+    assert bleu(right).value == pytest.approx(1.0)
+    assert bleu(wrong).value < 0.2
+
+
+def test_bleu_of_many_is_sacrebleus_corpus_score() -> None:
+    texts = ["I found one red cup.", "I could not find a mug.", "Got it, I will take the red cup."]
+    meant = ["I found one blue cup.", "I could not find any mug.", "Got it, I take the red cup."]
+    rows = [outcome("A", "A", *pair, room=f"r{k}") for k, pair in enumerate(
+        (said, (true, "Which one?")) for said, true in zip(texts, meant, strict=True)
+    )]  # fmt: skip
+    wanted = BLEU().corpus_score(texts, [meant, ["Which one?"] * 3]).score / 100
+    found = bleu(rows)
+    assert found.value == pytest.approx(wanted)
+    assert found.low <= found.value <= found.high
+
+
+def test_recordings_of_one_room_are_drawn_together() -> None:
+    """Two rooms, one all right and one all wrong: the interval is as wide as it can be."""
+    rows = [
+        outcome("CONFIRM", true, room=f"copies-{room}-{kind}")
+        for room, true in (("FloorPlan1", "CONFIRM"), ("FloorPlan2", "INFORM-MISSING"))
+        for kind in ("Cup", "Mug", "Bowl")
+    ]
+    qa = score_queries(rows).qa
+    assert (qa.low, qa.value, qa.high) == (0.0, 0.5, 1.0)
+    assert score_queries(rows) == score_queries(list(rows))
 
 
 def test_scores_of_right_and_wrong_pairs() -> None:
@@ -193,6 +218,7 @@ def write_references(folder: Path, part: str, room: str, count: int) -> None:
 def test_pairs_are_a_third_of_each_kind_the_same_for_the_same_seed(tmp_path: Path) -> None:
     write_references(tmp_path, "default", "FloorPlan1", 20)
     write_references(tmp_path, "validation", "FloorPlan301", 20)
+    write_references(tmp_path, "extra", "FloorPlan2", 20)
     chosen = select_pairs(tmp_path, "test", 7, 30)
     kinds = [pair.kind for pair in chosen]
     assert {kind: kinds.count(kind) for kind in kinds} == dict.fromkeys(

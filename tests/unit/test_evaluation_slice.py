@@ -107,7 +107,7 @@ def test_the_slice_gives_the_frozen_figures(
     def never(_: Path) -> Room:
         raise AssertionError("a kept outcome was computed again")
 
-    monkeypatch.setattr("doro_evaluation.runs.load_room", never)
+    monkeypatch.setattr("doro_evaluation.maps.load_room", never)
     kept = [one for some in run_jobs(jobs, context, workers=1) for one in some]
     assert kept == outcomes
 
