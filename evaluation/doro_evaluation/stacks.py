@@ -5,7 +5,9 @@ if a perfect detector reports each of its things in ``MIN_VIEWS`` views or more.
 
 - *counted* if, within ``AROUND_M`` of its axis and ``ABOVE_M`` of its height, as many instances
   of each of its classes are found as are there;
-- *linked* if every thing but the lowest is paired with a found instance within ``PAIRED_M``
+- *linked* if every thing but the lowest is paired with a found instance within ``PAIRED_M`` (pairs
+  of least total distance; an attribute that contradicts counts as ``CONTRADICTS_M``, since things
+  a centimetre apart are told apart by their looks)
   whose graph has as holder (its first is-on or is-at) the thing below: its class, no attribute
   that contradicts it, and the relation that the shared rule (:mod:`doro_schemas.spatial`) gives
   for the true boxes;
@@ -36,6 +38,7 @@ from doro_sim_feeder.rooms.truth import TrueInstance
 
 MIN_VIEWS = 3
 AROUND_M, ABOVE_M, PAIRED_M = 0.3, 0.15, 0.3
+CONTRADICTS_M = 0.05
 HOLDERS = ("is-on", "is-at")
 MOST = 100
 CAPTIONED, MEASURED = "captioned", "measured"
@@ -217,11 +220,19 @@ def _paired(there: Sequence[TrueInstance], found: Sequence[Instance]) -> dict[st
     a = np.array([item.center_m for item in there])
     b = np.array([one.position_m for one in found])
     distance = np.linalg.norm(a[:, None] - b[None], axis=2)
+    looks = np.array([[_contradictions(item, one) for one in found] for item in there])
     return {
         there[row].object_id: found[column]
-        for row, column in assign(distance)
+        for row, column in assign(distance + CONTRADICTS_M * looks)
         if distance[row, column] <= PAIRED_M
     }
+
+
+def _contradictions(thing: TrueInstance, one: Instance) -> int:
+    """Return how many attributes of a found instance are not those of a thing."""
+    true = {kind: canonical_value(value) for kind, value in thing.attributes.items()}
+    said = one.graph.attributes.items()
+    return sum(true.get(kind, value) != value for kind, value in said)
 
 
 def _link(upper: TrueInstance, lower: TrueInstance, partners: dict[str, Instance]) -> str:

@@ -102,6 +102,21 @@ def test_two_for_one_are_not_counted_right() -> None:
     assert not none.linked
 
 
+@pytest.mark.parametrize(("apart_m", "right"), [(0.02, True), (0.2, False)])
+def test_things_a_centimetre_apart_are_told_apart_by_their_looks(
+    apart_m: float, right: bool
+) -> None:
+    middle = true("b2", "Book", 0.79, 0.02, "book", color="blue")
+    top = true("b3", "Book", 0.79 + apart_m, 0.02, "b2", color="green")
+    low = found("book", BOOK, ("is-on", "dining table", ""))
+    blue = found("book", middle, ("is-on", "book", "red"))
+    green = found("book", top, ("is-on", "book", "blue"))
+    blue.position_m, green.position_m = green.position_m, blue.position_m
+    (one,) = judge_room(a_room(BOOK, middle, top), [low, blue, green], "gt", "m")
+    assert one.counted
+    assert one.linked is right
+
+
 def test_what_is_seen_too_seldom_is_not_tried() -> None:
     assert judge_room(a_room(PLATE, BOWL, views=2), [], "gt", "m") == []
 
