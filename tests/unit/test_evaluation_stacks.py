@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import msgspec
 import pytest
 
 from doro_evaluation.chain import Room
@@ -111,8 +112,11 @@ def test_things_a_centimetre_apart_are_told_apart_by_their_looks(
     low = found("book", BOOK, ("is-on", "dining table", ""))
     blue = found("book", middle, ("is-on", "book", "red"))
     green = found("book", top, ("is-on", "book", "blue"))
-    blue.position_m, green.position_m = green.position_m, blue.position_m
-    (one,) = judge_room(a_room(BOOK, middle, top), [low, blue, green], "gt", "m")
+    swapped = [
+        msgspec.structs.replace(blue, position_m=green.position_m),
+        msgspec.structs.replace(green, position_m=blue.position_m),
+    ]
+    (one,) = judge_room(a_room(BOOK, middle, top), [low, *swapped], "gt", "m")
     assert one.counted
     assert one.linked is right
 
