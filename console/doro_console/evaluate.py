@@ -9,11 +9,13 @@ import click
 from rich.console import Console
 from rich.progress import Progress
 
+from doro_console.ablations import ablations
 from doro_console.caption import perception
 from doro_console.counting import chairs, counting, stacks
 from doro_console.options import says_refusals, talk
 from doro_console.planning import planning
 from doro_console.queries import multi_view, queries, single_view
+from doro_console.speed import speed
 
 JSON = click.Path(path_type=Path, dir_okay=False)
 FOLDER = click.Path(path_type=Path, file_okay=False, exists=True)
@@ -41,7 +43,15 @@ def tagging(
     """
     from doro_evaluation import tagging_speed
     from doro_evaluation.figures import write_figures
-    from doro_evaluation.tagging import SHIPPED, figures_of, load_taggers, score, table_of
+    from doro_evaluation.tagging import (
+        SHIPPED,
+        figures_of,
+        interval_figures,
+        intervals,
+        load_taggers,
+        score,
+        table_of,
+    )
     from doro_evaluation.tagging import test_sets as make_sets
 
     out = Console(width=None if sys.stdout.isatty() else 120)
@@ -56,7 +66,9 @@ def tagging(
     out.print(table_of(reports))
     exact = tagging_speed.exact_graphs(shipped)
     click.echo("\n".join(tagging_speed.exact_lines(exact)))
-    figures = figures_of(reports) | tagging_speed.exact_figures(exact)
+    bounds = {(name, where): intervals(taggers[name], sets[where]) for name, where in reports}
+    figures = figures_of(reports) | interval_figures(bounds)
+    figures |= tagging_speed.exact_figures(exact)
     if speed:
         with Progress(console=talk, transient=True) as progress:
             task = progress.add_task("speed, beside bert-base", total=len(shipped))
@@ -68,5 +80,16 @@ def tagging(
     write_figures(json_path, figures, f"doro eval tagging --seed {seed}", seed)
 
 
-for command in (counting, chairs, stacks, perception, planning, queries, single_view, multi_view):
+for command in (
+    counting,
+    chairs,
+    stacks,
+    perception,
+    planning,
+    queries,
+    single_view,
+    multi_view,
+    ablations,
+    speed,
+):
     evaluate.add_command(command)

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
 from rich.table import Table
 
+from doro_evaluation.bootstrap import Score, f1, share, tallied
 from doro_evaluation.figures import Figure
-from doro_nlu.labels import LABELS
+from doro_nlu.labels import LABELS, OUTSIDE
 from doro_nlu.tagger import Tagger, load_tagger
 from doro_nlu.train.annotate import Example
 from doro_nlu.train.evaluate import Report, evaluate, held_out_examples, read_gold
 
 SHIPPED = ("default", "bilstm")
+BATCH = 64
 GENERATED, GOLD = "generated", "gold_dev"
 SUMMARIES = {
     "weighted F1 without O": "weighted_f1",
@@ -58,6 +63,51 @@ def score(
     for name, tagger in taggers.items():
         for where, examples in sets.items():
             yield (name, where), evaluate(tagger, examples)
+
+
+def intervals(tagger: Tagger, examples: Sequence[Example], seed: int = 0) -> dict[str, Score]:
+    """Return by metric the 95 % interval over sentences: each label's F1 and the weighted ones."""
+    labels = list(dict.fromkeys((*tagger.labels, *LABELS)))
+    place = {label: k for k, label in enumerate(labels)}
+    counts = np.zeros((len(examples), 3, len(labels)))
+    whole = np.zeros(len(examples))
+    for start in range(0, len(examples), BATCH):
+        chunk = examples[start : start + BATCH]
+        for row, tagged in enumerate(tagger.tag([e.tokens for e in chunk]), start):
+            wanted = examples[row].labels
+            whole[row] = tagged.labels == wanted
+            for want, got in zip(wanted, tagged.labels, strict=True):
+                counts[row, 0, place[want]] += want == got
+                counts[row, 1, place[got]] += 1
+                counts[row, 2, place[want]] += 1
+    flat = counts.reshape(len(examples), -1)
+    inside = [k for k, label in enumerate(labels) if label != OUTSIDE]
+    found = {
+        "weighted_f1": tallied(flat, partial(_weighted, kept=inside), seed),
+        "weighted_f1_with_o": tallied(flat, partial(_weighted, kept=range(len(labels))), seed),
+        "sentence_accuracy": tallied(np.column_stack([whole, np.ones(len(whole))]), share, seed),
+    }
+    for label, k in place.items():
+        if counts[:, 2, k].any():
+            found[f"{label}/f1"] = tallied(counts[:, :, k], f1, seed)
+    return found
+
+
+def _weighted(sums: NDArray[np.float64], kept: Sequence[int]) -> NDArray[np.float64]:
+    """Return the F1 over labels, weighted by their true number, of summed counts."""
+    right, said, true = np.moveaxis(sums.reshape(len(sums), 3, -1)[:, :, list(kept)], 1, 0)
+    each = 2 * right / np.maximum(said + true, 1)
+    return np.asarray((each * true).sum(axis=1) / true.sum(axis=1))
+
+
+def interval_figures(found: Mapping[tuple[str, str], Mapping[str, Score]]) -> dict[str, Figure]:
+    """Return the bounds as flat figures, ``tagging/<tagger>/<set>/<metric>_low`` and ``_high``."""
+    return {
+        f"tagging/{name}/{where}/{metric}_{bound}": round(getattr(score, bound), 4)
+        for (name, where), scores in found.items()
+        for metric, score in scores.items()
+        for bound in ("low", "high")
+    }
 
 
 def figures_of(reports: Reports) -> dict[str, Figure]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from types import SimpleNamespace
 
 import msgspec
 import pytest
@@ -12,11 +13,13 @@ from sacrebleu.metrics.bleu import BLEU
 from doro_dialogue.decision import decide
 from doro_dialogue.facts import Candidate
 from doro_dialogue.question import compose
-from doro_evaluation.bootstrap import interval
+from doro_evaluation.bootstrap import Score, interval
 from doro_evaluation.judge import Truth, Verdict, identify, judge
 from doro_evaluation.pairs import Pair, select_pairs
 from doro_evaluation.queries import QueryOutcome
 from doro_evaluation.scores import ambiguity_f1, bleu, score_queries, states_f1
+from doro_evaluation.tagging import intervals
+from doro_nlu.train.annotate import Example
 from doro_schemas.errors import Refused
 from doro_schemas.graph import ObjectGraph, Relation
 from doro_schemas.messages import Instance
@@ -232,3 +235,27 @@ def test_pairs_are_a_third_of_each_kind_the_same_for_the_same_seed(tmp_path: Pat
 def test_a_set_without_instructions_is_refused(tmp_path: Path) -> None:
     with pytest.raises(Refused, match="doro rooms set"):
         select_pairs(tmp_path, "test", 7)
+
+
+class _Parrot:
+    """Says what it is told, a list of labels for each sentence."""
+
+    labels = ("O", "B-object", "B-color")
+
+    def __init__(self, said: list[list[str]]) -> None:
+        self._said = said
+
+    def tag(self, sentences: list[list[str]]) -> list[SimpleNamespace]:
+        return [SimpleNamespace(labels=self._said.pop(0)) for _ in sentences]
+
+
+def test_tagging_intervals_are_of_f1_over_sentences() -> None:
+    wanted = [["O", "B-object"], ["B-color", "B-object"]]
+    examples = [Example(["a", "cup"], wanted[0]), Example(["red", "cup"], wanted[1])]
+    found = intervals(_Parrot([["O", "B-object"], ["O", "B-object"]]), examples)  # type: ignore[arg-type]
+    assert found["B-object/f1"] == Score(1.0, 1.0, 1.0)
+    assert found["B-color/f1"].value == 0.0
+    # Two objects right (1.0) and one color missed (0.0), by their number.
+    assert found["weighted_f1"].value == pytest.approx(2 / 3)
+    assert found["weighted_f1"].low == 0.5
+    assert found["sentence_accuracy"] == Score(0.5, 0.0, 1.0)
