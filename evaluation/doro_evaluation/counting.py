@@ -66,9 +66,9 @@ def relevant(outcome: Outcome, min_views: int = 1) -> tuple[list[Thing], list[Th
     rare = [thing for thing in outcome.truth if thing.views < min_views]
     if not rare:
         return true, list(outcome.found)
-    taken = {found for _, found, _ in _matched(true, outcome.found, RADII_M[0])}
+    taken = {found for _, found, _ in pair_up(true, outcome.found, RADII_M[0])}
     left = [thing for k, thing in enumerate(outcome.found) if k not in taken]
-    excused = {found for _, found, _ in _matched(rare, left, RADII_M[0])}
+    excused = {found for _, found, _ in pair_up(rare, left, RADII_M[0])}
     kept = [thing for k, thing in enumerate(outcome.found) if k in taken]
     return true, kept + [thing for k, thing in enumerate(left) if k not in excused]
 
@@ -89,7 +89,7 @@ def pairs(outcome: Outcome, radius_m: float = PAIRED_M, min_views: int = 1) -> l
     true, found = relevant(outcome, min_views)
     return [
         Pair(true[index].object_type, distance)
-        for index, _, distance in _matched(true, found, radius_m)
+        for index, _, distance in pair_up(true, found, radius_m)
     ]
 
 
@@ -112,7 +112,7 @@ def tally(outcome: Outcome, min_views: int = 1) -> Floats:
         right += item.true == item.found
         error += abs(item.true - item.found)
     true_all, found_all = relevant(outcome, min_views)
-    matched = [len(_matched(true_all, found_all, radius)) for radius in RADII_M]
+    matched = [len(pair_up(true_all, found_all, radius)) for radius in RADII_M]
     rest = [known, right, len(found_items), error, len(true_all), len(found_all), *matched]
     return np.concatenate([counts.ravel(), np.asarray(rest, np.float64)])
 
@@ -183,7 +183,7 @@ def _ratio(above: float, below: float) -> float:
     return above / below if below else float("nan")
 
 
-def _matched(
+def pair_up(
     true: Sequence[Thing], found: Sequence[Thing], radius_m: float
 ) -> list[tuple[int, int, float]]:
     """Return (index of true, index of found, distance) of pairs of a class within a radius."""

@@ -15,6 +15,7 @@ from its place.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Container, Mapping, Sequence
 from typing import Literal
 
@@ -46,6 +47,7 @@ class Verdict(msgspec.Struct, frozen=True):
         fault: what is wrong first, by the rule above; empty: right.
         said, true: state said and true state; ``said`` is empty where nothing was understood.
         text: what was said; references: all true wordings.
+        why: the fault in words, for people and for counting causes.
     """
 
     fault: Fault
@@ -53,6 +55,7 @@ class Verdict(msgspec.Struct, frozen=True):
     true: str
     text: str
     references: list[str]
+    why: str = ""
 
     @property
     def right(self) -> bool:
@@ -83,11 +86,22 @@ class Truth(msgspec.Struct, frozen=True):
 
     def holds(self, said: ObjectGraph, object_id: str) -> bool:
         """Tell whether all that a clause says is true of an instance."""
-        own = graph_with(said.name, [f for f in facts_of(said) if not isinstance(f, Relation)])
-        if match(own, self.graphs[object_id]).verdict != "holds":
-            return False
+        return not self.untrue(said, object_id)
+
+    def untrue(self, said: ObjectGraph, object_id: str) -> str:
+        """Return what a clause says and is not true of an instance; empty: all is true."""
+        for fact in facts_of(said):
+            if not isinstance(fact, Relation):
+                own = graph_with(said.name, [fact])
+                if match(own, self.graphs[object_id]).verdict != "holds":
+                    return f"{fact.type}: {fact.value}"
+        if match(ObjectGraph(said.name), self.graphs[object_id]).verdict != "holds":
+            return f"name: {said.name}"
         item = next(one for one in self.items if one.object_id == object_id)
-        return all(self._stands(item, relation) for relation in said.relations)
+        for relation in said.relations:
+            if not self._stands(item, relation):
+                return f"{relation.type}: {relation.target.name}"
+        return ""
 
     def _stands(self, item: TrueInstance, relation: Relation) -> bool:
         alone = ObjectGraph(name=name_of(item.object_type), relations=[relation])
@@ -152,13 +166,8 @@ def judge(  # noqa: PLR0917
     if said is None:
         return Verdict("not understood", "", right.state, "", references)
     decision, question, text = said
-    return Verdict(
-        _fault(truth, right, decision, question, identity),
-        decision.state,
-        right.state,
-        text,
-        references,
-    )
+    fault, why = _fault(truth, right, decision, question, identity)
+    return Verdict(fault, decision.state, right.state, text, references, why)
 
 
 def _fault(
@@ -167,17 +176,20 @@ def _fault(
     decision: Decision,
     question: Question,
     identity: Mapping[str, str],
-) -> Fault:
+) -> tuple[Fault, str]:
+    """Return what is wrong first, and in words."""
     if decision.state != right.state:
-        return "state"
-    offered = [identity.get(one.candidate.id, "") for one in decision.offered]
-    if sorted(offered) != sorted(one.candidate.id for one in right.offered):
-        return "instances"
+        return "state", f"{decision.state} for {right.state}"
+    offered = Counter(identity.get(one.candidate.id, "") for one in decision.offered)
+    wanted = Counter(one.candidate.id for one in right.offered)
+    if offered != wanted:
+        added, left = (offered - wanted).total(), (wanted - offered).total()
+        return "instances", f"{left} left out, {added} offered that should not be"
     for part in question.parts:
         for name in part.instance_ids:
-            if not truth.holds(part.graph, identity[name]):
-                return "attributes"
-    return ""
+            if wrong := truth.untrue(part.graph, identity[name]):
+                return "attributes", wrong
+    return "", ""
 
 
 def _same_class(one: str, other: str) -> bool:

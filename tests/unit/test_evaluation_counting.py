@@ -18,6 +18,7 @@ from doro_evaluation.counting_report import (
     tables_of,
 )
 from doro_evaluation.outcomes import Outcome, Thing
+from doro_evaluation.reasons import causes, reasons_of
 from doro_mapper.assignment import assign
 
 SIZE = (0.1, 0.1, 0.1)
@@ -170,3 +171,24 @@ def test_the_assignment_that_the_metrics_use_is_the_best() -> None:
             for order in itertools.permutations(range(long), short)
         )
         assert found == pytest.approx(best)
+
+
+@pytest.mark.parametrize(
+    ("true", "found", "cause"),
+    [
+        ([thing("Cup", 0, views=2)], [], "seen in one or two views only"),
+        ([thing("Cup", 0), thing("Cup", 0.6)], [thing("Cup", 0.1)], "taken for the one beside it"),
+        ([thing("Cup", 0)], [thing("Mug", 0.1)], "found under another name"),
+        ([thing("Cup", 0)], [], "not found, though three views or more show it"),
+        ([thing("Cup", 0)], [thing("Cup", 0), thing("Cup", 0.7)], "one thing counted twice"),
+        ([thing("Mug", 2)], [thing("Mug", 2), thing("Cup", 2.1)], "another thing under its name"),
+        ([], [thing("Cup", 0)], "nothing of the class is there"),
+    ],
+)
+def test_a_wrong_count_has_a_cause(true: list[Thing], found: list[Thing], cause: str) -> None:
+    assert reasons_of(outcome("c", true, found), "Cup") == [cause]
+
+
+def test_causes_are_of_wrong_items_only() -> None:
+    """A is wrong in bowls (1 too many) and mugs (1 too many); a cup of A lies 0.4 m off."""
+    assert causes([A, B]) == {"nothing of the class is there": 2}
