@@ -1,0 +1,97 @@
+"""Is a text right? The rule of QA (:mod:`doro_evaluation.judge`) for systems without positions.
+
+Our own queries know where their instances are, so each is compared with its true one. A text has
+words only, so it is judged in its favour: right is a text of the true state whose clauses can be
+given to the true instances, each clause to as many as it counts, so that all that is said is
+true of them; and which says at least as many different things as the truth can tell apart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from doro_dialogue.decision import Decision
+from doro_dialogue.facts import facts_of
+from doro_dialogue.matching import match
+from doro_dialogue.question import compose
+from doro_evaluation.baseline.reading import Clause, Parser, read_query
+from doro_evaluation.judge import Fault, Truth, Verdict
+from doro_schemas.graph import ObjectGraph
+from doro_schemas.vocabulary import name_satisfies
+
+
+def judge_text(
+    truth: Truth, true_input: ObjectGraph, task: str, text: str, parse: Parser
+) -> Verdict:
+    """Return the verdict on a text.
+
+    Args:
+        true_input: graph of what the instruction really says.
+        parse: a noun phrase to its graph.
+    """
+    right = truth.decide(true_input)
+    question = compose(right, task=task)
+    said = read_query(text, parse)
+    fault = _fault(truth, right, len(question.parts), said.clauses)
+    if said.state != right.state:
+        fault = "state"
+    elif not said.understood:
+        fault = "not understood"
+    return Verdict(fault, str(said.state), right.state, text, question.wordings)
+
+
+def _fault(truth: Truth, right: Decision, parts: int, clauses: Sequence[Clause]) -> Fault:
+    if right.state == "INFORM-MISSING":
+        return _missing_fault(right.graph, clauses)
+    offered = [one.candidate.id for one in right.offered]
+    if sum(clause.count for clause in clauses) != len(offered):
+        return "instances"
+    slots = [clause.graph for clause in clauses for _ in range(clause.count)]
+    fits = {
+        number: [name for name in offered if _true_of(truth, graph, name)]
+        for number, graph in enumerate(slots)
+    }
+    if not _assigned(fits):
+        return "attributes"
+    if right.reason == "mismatch" and not _contradicts(right.graph, clauses):
+        return "attributes"
+    different = {(repr(clause.graph), clause.other) for clause in clauses}
+    return "" if len(different) >= parts else "attributes"
+
+
+def _missing_fault(wanted: ObjectGraph, clauses: Sequence[Clause]) -> Fault:
+    """What could not be found is what was asked for, and nothing else."""
+    if any(clause.graph.name != wanted.name for clause in clauses):
+        return "instances"
+    said_of_it = [match(clause.graph, wanted).verdict for clause in clauses]
+    return "" if all(verdict == "holds" for verdict in said_of_it) else "attributes"
+
+
+def _true_of(truth: Truth, said: ObjectGraph, object_id: str) -> bool:
+    if not name_satisfies(said.name, truth.graphs[object_id].name):
+        return False
+    return truth.holds(said, object_id)
+
+
+def _contradicts(wanted: ObjectGraph, clauses: Sequence[Clause]) -> bool:
+    """Tell whether a clause says in what the thing differs from what was wanted."""
+    return any(
+        facts_of(clause.graph) and match(wanted, clause.graph).verdict == "contradicted"
+        for clause in clauses
+    )
+
+
+def _assigned(fits: Mapping[int, Sequence[str]]) -> bool:
+    """Tell whether every slot can have an instance of its own (augmenting paths)."""
+    owner: dict[str, int] = {}
+
+    def place(slot: int, tried: set[str]) -> bool:
+        for name in fits[slot]:
+            if name not in tried:
+                tried.add(name)
+                if name not in owner or place(owner[name], tried):
+                    owner[name] = slot
+                    return True
+        return False
+
+    return all(place(slot, set()) for slot in fits)
