@@ -9,7 +9,7 @@ import pytest
 from mapper_scene import LENS, SIZE_PX, Thing, observe, room
 
 from doro_mapper.assignment import assign
-from doro_mapper.projection import Measured, measure, soft_mask
+from doro_mapper.projection import Measured, mask_by_side, measure
 from doro_mapper.views import Views, camera_of
 from doro_schemas.camera import Pose, backproject, bev_axes, pose_from_ai2thor
 
@@ -26,8 +26,8 @@ def measured(
 
 def test_mask_has_peak_one_whatever_the_box_size() -> None:
     for side in (10.0, 200.0):
-        u, v = np.array([[side / 2, side, side]]), np.array([[side / 2, side / 2, side]])
-        (mask,) = soft_mask(u, v, np.array([[0.0, 0.0, side, side]]), 0.25)
+        centers = np.array([[[side / 2, side, side], [side / 2, side / 2, side]]])
+        mask = mask_by_side(centers, np.array([[0.0, 0.0, side, side]]), 0.25).prod(axis=1)[0]
         assert mask[0] == 1.0
         assert mask[1] == pytest.approx(math.exp(-0.5 * 4))
         assert mask[2] == pytest.approx(math.exp(-0.5 * 8))

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from doro_mapper.boxes import Boxes, distance, ious
+from doro_mapper.cells import Ints
 from doro_mapper.coverage import Coverage
 from doro_mapper.finder import (
     Found,
@@ -19,7 +20,7 @@ from doro_mapper.finder import (
     names_agree,
 )
 from doro_mapper.finders import make_finder
-from doro_mapper.hashmaps import HashMaps, Ints
+from doro_mapper.hashmaps import HashMaps
 from doro_mapper.naming import NameMemory
 from doro_mapper.projection import Measured, measure
 from doro_mapper.settings import MapperSettings
@@ -89,19 +90,17 @@ class Area:
         camera = camera_of(depth.intrinsics, depth.pose, (depth.width_px, depth.height_px))
         serial = self.views.add(camera, depth_m)
         self._remember(depth.camera, depth.frame, serial)
-        self.coverage.add(depth_m, camera)
+        self.coverage.add(self.views.thumb_m(serial), camera)
         frame = self._sighted(depth, depth_m, graphs, counters)
         first_new = len(self.maps.graphs)
         ids = [self.maps.graph_id(sighting.graph)[0] for sighting in frame.sightings]
         m = frame.measured
         samples = (m.sample_points_m, m.sample_weights, m.sample_of)
-        rows, seen = self.maps.merge(ids, samples, self.views, serial)
+        (cells, weights), blocks = self.maps.merge(ids, samples, self.views, serial)
         self._shots[serial] = shot(ids, m, camera, self.maps.last_mass)
         self._shots.pop(serial - self._settings.max_views, None)
         self.finder.add(frame)
         counters["cells_dropped"] = self.maps.cells_dropped
-        cells, weights = self.maps.published(rows)
-        blocks = self.maps.blocks.published(seen)
         return Change(self.maps.entries(first_new), cells, weights, blocks)
 
     def _remember(self, camera: str, frame: int, serial: int) -> None:
@@ -222,8 +221,7 @@ class Area:
             for entry in self.maps.entries()
             if not name or name_satisfies(name, entry.graph.name)
         ]
-        rows = self.maps.rows_of([entry.graph_id for entry in entries])
-        cells, weights = self.maps.published(rows)
+        cells, weights = self.maps.published([entry.graph_id for entry in entries])
         side = max(1, round(self._settings.region_m / self._settings.cell_m))
         regions, scores = region_scores(cells, weights, side)
         return Snapshot(entries, cells, weights, self.maps.blocks.published(), regions, scores)

@@ -8,12 +8,10 @@ it was hit.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
-from doro_mapper.digest import row_hashes
+from doro_mapper.digest import key_hashes
 from doro_mapper.views import SIGHT_M, Floats, Views
 
 BLOCK_CELLS = 5
@@ -45,21 +43,18 @@ class Blocks:
     def __len__(self) -> int:
         return len(self._number)
 
-    def of(self, places: NDArray[Any]) -> NDArray[np.int32]:
-        """Return the block of each cell (n, 3), opening new ones."""
-        blocks = [tuple(row) for row in (places // self._divisor).tolist()]
-        out = np.empty(len(blocks), np.int32)
-        for index, block in enumerate(blocks):
-            number = self._number.setdefault(block, len(self._number))
-            if number >= len(self.count):
-                for name in ("place", "count", "_center_m"):
-                    old = getattr(self, name)
-                    setattr(self, name, np.concatenate([old, np.zeros_like(old)]))
-            out[index] = number
-            self.place[number] = block
-        new = np.arange(self._fresh, len(self._number))
-        self._center_m[new] = (self.place[new] + 0.5) * self._edges_m
-        return out
+    def number(self, place: list[int]) -> int:
+        """Return the number of a block, opening a new one."""
+        key = place[0], place[1], place[2]
+        number = self._number.setdefault(key, len(self._number))
+        if number >= len(self.count):
+            for name in ("place", "count", "_center_m"):
+                old = getattr(self, name)
+                setattr(self, name, np.concatenate([old, np.zeros_like(old)]))
+        if number == len(self._number) - 1:
+            self.place[number] = place
+            self._center_m[number] = (self.place[number] + 0.5) * self._edges_m
+        return number
 
     def observe(self, hit: Ints, views: Views, serial: int) -> Ints:
         """Count a view; return the blocks it had in view. What was hit was seen.
@@ -109,7 +104,7 @@ class Blocks:
         return np.asarray(rows[order], dtype=np.int32)
 
     def digest(self) -> NDArray[np.uint64]:
-        """Return two hashes over all blocks and counts, whatever their order."""
+        """Return two sums of hash times count over all blocks, whatever their order."""
         n = len(self)
-        keys = np.column_stack([self.place[:n], self.count[:n]])
-        return np.asarray(row_hashes(keys, np.zeros(n)).sum(axis=0, dtype=np.uint64))
+        keys = self.place[:n].astype(np.int64) @ np.array([1 << 42, 1 << 21, 1])
+        return np.asarray((key_hashes(keys) * self.count[:n].astype(np.uint64)).sum(axis=1))

@@ -1,8 +1,6 @@
-"""Hashes of rows whose sum stands for a set, whatever the order."""
+"""Hashes of keys, whose sum times the values stands for a set, whatever the order."""
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,13 +17,11 @@ def _mixed(values: NDArray[np.uint64]) -> NDArray[np.uint64]:
     return x ^ (x >> np.uint64(31))
 
 
-def row_hashes(keys: NDArray[Any], weights: NDArray[Any]) -> NDArray[np.uint64]:
-    """Return two 64-bit hashes (n, 2) of rows of integers (n, k) and a float32 weight (n,)."""
-    bits = weights.astype("<f4").view("<u4").astype(np.uint64)
-    out = np.empty((len(keys), 2), np.uint64)
-    for lane, seed in enumerate(SEEDS):
-        state = _mixed(bits + np.uint64(seed))
-        for column in keys.T:
-            state = _mixed(state ^ (column.astype(np.int64).view(np.uint64) + np.uint64(seed)))
-        out[:, lane] = state
-    return out
+def key_hashes(keys: NDArray[np.int64]) -> NDArray[np.uint64]:
+    """Return two 64-bit hashes (2, n) of integers.
+
+    The digest of a set of (key, value) is the sum of hash times value, modulo 2^64, twice: it
+    is independent of the order, and a change of a value costs one product.
+    """
+    first = _mixed(keys.view(np.uint64) + np.uint64(SEEDS[0]))
+    return np.stack([first, _mixed(first + np.uint64(SEEDS[1]))])

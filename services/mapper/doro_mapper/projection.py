@@ -3,7 +3,8 @@
 Paper, Section IV-B, with DESIGN's corrections: the mask has peak 1, and of the points
 in the box only those of one depth window count. Neither the most frequent depth nor all
 points do: background is often the larger part of a box (measured: twice the gross errors).
-All detections of a frame are measured together: one raster per box, padded to one shape.
+All detections of a frame are measured together. Samples of all boxes stand in one row, box after
+box, so that small boxes and narrow windows cost little, and one sort serves them all.
 """
 
 from __future__ import annotations
@@ -28,7 +29,10 @@ OUTER_SHARE = 0.01
 GRAIN_PER_M = 10_000
 """Values are sorted as integers of 0.1 mm, with their index in the low bits: ties are equal on
 every machine, and numpy sorts integers fastest."""
-LAST_GRAIN = (1 << 21) - 1
+GRAIN_BITS = 22
+MIDDLE_GRAIN = 1 << (GRAIN_BITS - 1)
+WEIGHTED, PLAIN = np.array([0.05, 0.5, 0.95]), np.array([OUTER_SHARE, 1 - OUTER_SHARE])
+SPREAD = (np.arange(KEPT_POINTS) + 0.5) / KEPT_POINTS
 
 Ints = NDArray[Any]
 
@@ -73,14 +77,21 @@ class Measured:
 
 
 @dataclass(frozen=True, slots=True)
-class _Windows:
-    """Samples of each detection's depth window, in order of depth, padded to (n, m)."""
+class _Samples:
+    """Samples of all boxes, box after box; those of box ``i`` end before ``stop[i]``.
+
+    Attributes:
+        u_px, v_px, depth_m, weight: (k,); the weight is the soft mask.
+        row: (k,) which box. start, stop: (n,).
+    """
 
     u_px: Floats
     v_px: Floats
     depth_m: Floats
     weight: Floats
-    inside: Bools
+    row: Ints
+    start: Ints
+    stop: Ints
 
 
 def measure(
@@ -101,144 +112,133 @@ def measure(
         sigma: width of the soft mask as a fraction of the box side.
         samples: largest number of samples per side, at most 32.
     """
-    raster = _raster(depth_m, boxes_px, samples)
-    usable = raster.inside & (raster.depth_m > NEAREST_DEPTH_M) & (raster.depth_m < max_depth_m)
-    index = np.flatnonzero(usable.sum(axis=1) >= MIN_POINTS)
+    index, found = _sampled(depth_m, boxes_px, sigma, samples, max_depth_m)
     boxes = boxes_px[index]
-    mask = soft_mask(raster.u_px[index], raster.v_px[index], boxes, sigma)
     sides = (boxes[:, 2:] - boxes[:, :2]) / (camera.intrinsics.fx, camera.intrinsics.fy)
-    windows = _windows(raster, usable, index, mask, np.sqrt(sides.prod(axis=1)))
-    return _measured(windows, index, boxes, sides, camera)
+    return _measured(
+        _windows(found, np.sqrt(sides[:, 0] * sides[:, 1])), index, boxes, sides, camera
+    )
 
 
-@dataclass(frozen=True, slots=True)
-class _Raster:
-    """Columns and rows looked at per box, and the depth there; all (n, samples ** 2)."""
-
-    u_px: Floats
-    v_px: Floats
-    depth_m: Floats
-    inside: Bools
-
-
-def _raster(depth_m: NDArray[np.float32], boxes_px: Floats, samples: int) -> _Raster:
+def _sampled(
+    depth_m: NDArray[np.float32], boxes_px: Floats, sigma: float, samples: int, max_depth_m: float
+) -> tuple[Ints, _Samples]:
+    """Return the boxes with enough usable depth, and their samples on a raster each."""
     height, width = depth_m.shape
+    n = len(boxes_px)
     low = np.maximum(boxes_px[:, :2].astype(np.int64), 0)
     high = np.minimum(np.ceil(boxes_px[:, 2:]).astype(np.int64), (width, height))
     step = np.maximum(-(-(high - low) // samples), 1)
     at = low[:, :, None] + step[:, :, None] * np.arange(samples)
     inside = at < high[:, :, None]
-    at = np.minimum(at, np.array([width - 1, height - 1])[:, None])
-    n = len(boxes_px)
-    depth = depth_m[at[:, 1, :, None], at[:, 0, None, :]].astype(np.float64)
-    both = inside[:, 1, :, None] & inside[:, 0, None, :]
-    u = np.broadcast_to(at[:, 0, None, :] + 0.5, depth.shape)
-    v = np.broadcast_to(at[:, 1, :, None] + 0.5, depth.shape)
-    flat = (n, samples * samples)
-    return _Raster(u.reshape(flat), v.reshape(flat), depth.reshape(flat), both.reshape(flat))
+    at = np.minimum(at, np.array([[[width - 1], [height - 1]]]))
+    line = at[:, 1] * width
+    depth = depth_m.ravel().take(line[:, :, None] + at[:, 0, None, :]).astype(np.float64)
+    usable = (depth > NEAREST_DEPTH_M) & (depth < max_depth_m)
+    usable &= inside[:, 1, :, None] & inside[:, 0, None, :]
+    count = np.count_nonzero(usable, axis=(1, 2))
+    index = np.flatnonzero(count >= MIN_POINTS)
+    if len(index) < n:
+        usable[count < MIN_POINTS] = False
+    flat = np.flatnonzero(usable)
+    of_row, column = np.divmod(flat, samples)
+    of_column = of_row // samples * samples + column
+    centers = at + 0.5
+    mask_u, mask_v = np.moveaxis(mask_by_side(centers, boxes_px, sigma), 1, 0)
+    count = count[index]
+    stop = np.cumsum(count)
+    return index, _Samples(
+        u_px=centers[:, 0].ravel().take(of_column),
+        v_px=centers[:, 1].ravel().take(of_row),
+        depth_m=depth.ravel().take(flat),
+        weight=mask_u.ravel().take(of_column) * mask_v.ravel().take(of_row),
+        row=np.repeat(np.arange(len(index)), count),
+        start=stop - count,
+        stop=stop,
+    )
 
 
-def soft_mask(u_px: Floats, v_px: Floats, boxes_px: Floats, sigma: float) -> Floats:
-    """Return the mask ``exp(-1/2[(du/(sW))^2 + (dv/(sH))^2])`` with peak 1, (n, k).
+def mask_by_side(centers_px: Floats, boxes_px: Floats, sigma: float) -> Floats:
+    """Return the soft mask along columns and rows, (n, 2, samples): their product is the mask.
 
-    Args:
-        u_px, v_px: (n, k) columns and rows of each box's samples.
-        boxes_px: (n, 4).
-        sigma: width as a fraction of the box side.
+    ``exp(-1/2[(du/(sW))^2 + (dv/(sH))^2])``, peak 1.
     """
     middle = (boxes_px[:, :2] + boxes_px[:, 2:]) / 2
     width = sigma * (boxes_px[:, 2:] - boxes_px[:, :2])
-    du = (u_px - middle[:, :1]) / width[:, :1]
-    dv = (v_px - middle[:, 1:]) / width[:, 1:]
-    mask: Floats = np.exp(-0.5 * (du * du + dv * dv))
-    return mask
+    off = (centers_px - middle[:, :, None]) / width[:, :, None]
+    return np.asarray(np.exp(-0.5 * (off * off)))
 
 
-def _sorted_order(values: Floats, last: Bools) -> tuple[Ints, Ints]:
-    """Return (order, grains): the order of each row by value, and the values in it.
+def _sorted_order(values: Floats, group: Ints) -> tuple[Ints, Ints]:
+    """Return (order, grains): the order by group and value, and the values in it.
 
-    ``last`` marks what goes to the end. Rows have at most 1024 entries.
+    Args:
+        group: (k,) >= 0, ascending.
     """
-    grains = np.where(last, LAST_GRAIN, values * GRAIN_PER_M).astype(np.int32)
-    keys = np.sort((grains << 10) | np.arange(values.shape[1], dtype=np.int32), axis=1)
-    return keys & 1023, keys >> 10
+    bits = len(values).bit_length()
+    grains = (values * GRAIN_PER_M).astype(np.int64) + MIDDLE_GRAIN
+    keys = (((group << GRAIN_BITS) + grains) << bits) + np.arange(len(values))
+    keys.sort()
+    return keys & ((1 << bits) - 1), ((keys >> bits) & ((1 << GRAIN_BITS) - 1)) - MIDDLE_GRAIN
 
 
-def _along(values: NDArray[Any], at: Ints) -> NDArray[Any]:
-    """Return ``values[i, at[i, j]]``, as take_along_axis does for rows but in half the time."""
-    rows = np.arange(0, values.size, values.shape[1])[:, None]
-    return np.asarray(values.ravel().take(at + rows))
-
-
-def _windows(
-    raster: _Raster, usable: Bools, index: Ints, mask: Floats, side_per_m: Floats
-) -> _Windows:
-    """Choose each detection's depth window.
+def _windows(all_of: _Samples, side_per_m: Floats) -> _Samples:
+    """Choose each detection's depth window; its samples in order of depth.
 
     Over windows [a, a + max(4 cm, .8 side_per_m a)] that start at a sample, the nearest with at
     least WINDOW_SHARE of the best mass, slid to its local maximum.
     """
-    ok = usable[index]
-    order, grains = _sorted_order(raster.depth_m[index], ~ok)
-    count = ok.sum(axis=1)[:, None]
-    weight = _along(np.where(ok, mask, 0.0), order)
-    end = _window_ends(grains, count, side_per_m[:, None])
-    total = np.zeros((len(index), grains.shape[1] + 1))
-    np.cumsum(weight, axis=1, out=total[:, 1:])
-    at = np.arange(grains.shape[1])
-    mass = np.where(at < count, _along(total, end) - total[:, :-1], -1.0)
-    first = np.argmax(mass >= WINDOW_SHARE * mass.max(axis=1, keepdims=True), axis=1)[:, None]
-    near = (at >= first) & (at < _along(end, first))
-    best = np.argmax(np.where(near, mass, -1.0), axis=1)[:, None]
-    size = _along(end, best) - best
-    within = np.arange(int(size.max(initial=1)))
-    inside = within < size
-    chosen = _along(order, np.minimum(best + within, at[-1]))
+    if not len(all_of.row):
+        return all_of
+    order, grains = _sorted_order(all_of.depth_m, all_of.row)
+    end = _window_ends(grains, all_of.row, side_per_m)
+    total = np.zeros(len(order) + 1)
+    np.cumsum(all_of.weight[order], out=total[1:])
+    mass = total[end] - total[:-1]
+    enough = WINDOW_SHARE * np.maximum.reduceat(mass, all_of.start)
+    good = np.flatnonzero(mass >= enough[all_of.row])
+    first = good[np.searchsorted(good, all_of.start)]
+    best = [
+        i + int(mass[i:j].argmax())
+        for i, j in zip(first.tolist(), end[first].tolist(), strict=True)
+    ]
+    stop = end[best]
+    chosen = np.concatenate([order[i:j] for i, j in zip(best, stop.tolist(), strict=True)])
+    count = stop - best
+    stop = np.cumsum(count)
+    return _Samples(
+        all_of.u_px[chosen], all_of.v_px[chosen], all_of.depth_m[chosen], all_of.weight[chosen],
+        np.repeat(np.arange(len(count)), count), stop - count, stop,
+    )  # fmt: skip
 
-    def gathered(values: Floats) -> Floats:
-        return _along(values[index], chosen)
 
-    kept = np.where(inside, _along(mask, chosen), 0.0)
-    depth = gathered(raster.depth_m)
-    return _Windows(gathered(raster.u_px), gathered(raster.v_px), depth, kept, inside)
-
-
-def _window_ends(grains: Ints, count: Ints, side_per_m: Floats) -> Ints:
-    """Return for each start the number of samples up to the window's far end, (n, m)."""
-    n, m = grains.shape
-    length = np.maximum(WINDOW_MIN_M * GRAIN_PER_M, WINDOW_OF_SIDE * side_per_m * grains)
-    row = np.arange(n, dtype=np.int32)[:, None] << 22
-    bound = np.minimum(grains + length.astype(np.int32), LAST_GRAIN)
-    flat = (grains + row).ravel()
-    found = np.searchsorted(flat, (bound + row).ravel(), side="right").reshape(n, m)
-    return np.asarray(np.minimum(found - np.arange(n)[:, None] * m, count))
+def _window_ends(grains: Ints, row: Ints, side_per_m: Floats) -> Ints:
+    """Return for each start where the samples up to the window's far end stop, (k,)."""
+    length = np.maximum(WINDOW_MIN_M * GRAIN_PER_M, (WINDOW_OF_SIDE * side_per_m)[row] * grains)
+    base = row << GRAIN_BITS
+    bound = np.minimum(grains + length.astype(np.int64), MIDDLE_GRAIN - 1)
+    return np.asarray(np.searchsorted(grains + base, bound + base, side="right"))
 
 
 def _measured(
-    windows: _Windows, index: Ints, boxes: Floats, sides: Floats, camera: Camera
+    window: _Samples, index: Ints, boxes: Floats, sides: Floats, camera: Camera
 ) -> Measured:
-    lens, inside = camera.intrinsics, windows.inside
-    local = np.stack(
-        [
-            (windows.u_px - lens.cx) / lens.fx * windows.depth_m,
-            (windows.v_px - lens.cy) / lens.fy * windows.depth_m,
-            windows.depth_m,
-        ],
-        axis=-1,
-    )
-    ahead = local @ camera.rotation
-    share = windows.weight / np.maximum(windows.weight.sum(axis=1, keepdims=True), 1e-12)
-    bounds = _bounds(ahead, share, inside) + camera.position_m[:, None]
-    low, middle, high, outer_low, outer_high = np.moveaxis(bounds, 2, 0)
-    spread = (np.arange(KEPT_POINTS) + 0.5) / KEPT_POINTS
-    kept = (np.cumsum(share, axis=1)[:, :, None] < spread).sum(axis=1)
-    kept = np.minimum(kept, inside.sum(axis=1)[:, None] - 1)
-    points = np.take_along_axis(ahead, kept[:, :, None], 1) + camera.position_m
-    range_m = (windows.depth_m * share).sum(axis=1)
+    lens, n, depth = camera.intrinsics, len(index), window.depth_m
+    local = np.empty((3, len(depth)))
+    local[0] = (window.u_px - lens.cx) / lens.fx * depth
+    local[1] = (window.v_px - lens.cy) / lens.fy * depth
+    local[2] = depth
+    ahead = camera.rotation.T @ local
+    mass = np.bincount(window.row, window.weight, minlength=n)
+    share = window.weight / np.maximum(mass, 1e-12)[window.row]
+    bounds = _bounds(ahead, share, window) + camera.position_m
+    low, middle, high, outer_low, outer_high = bounds
+    kept = np.searchsorted(np.cumsum(share), np.arange(n)[:, None] + SPREAD)
+    kept = np.minimum(kept, window.stop[:, None] - 1)
+    ahead += camera.position_m[:, None]
+    range_m: Floats = np.bincount(window.row, depth * share, minlength=n).astype(np.float64)
     width, height = camera.size_px
-    low_edge, high_edge = boxes[:, :2], np.array([width, height]) - boxes[:, 2:]
-    touches = np.minimum(low_edge, high_edge).min(axis=1) <= BORDER_PX
-    of = np.broadcast_to(np.arange(len(index))[:, None], inside.shape)
+    touches = np.minimum(boxes[:, :2], (width, height) - boxes[:, 2:]).min(axis=1) <= BORDER_PX
     return Measured(
         index=index,
         box_px=boxes,
@@ -247,33 +247,37 @@ def _measured(
         high_m=high,
         outer_low_m=outer_low,
         outer_high_m=outer_high,
-        points_m=points.astype(np.float32),
+        points_m=ahead[:, kept].transpose(1, 2, 0).astype(np.float32),
         range_m=range_m,
         size_m=sides * range_m[:, None],
-        area_share=(boxes[:, 2:] - boxes[:, :2]).prod(axis=1) / (width * height),
+        area_share=(boxes[:, 2] - boxes[:, 0]) * (boxes[:, 3] - boxes[:, 1]) / (width * height),
         at_border=touches,
-        sample_points_m=ahead[inside] + camera.position_m,
-        sample_weights=windows.weight[inside],
-        sample_of=of[inside],
+        sample_points_m=ahead.T,
+        sample_weights=window.weight,
+        sample_of=window.row,
     )
 
 
-def _bounds(points: Floats, share: Floats, inside: Bools) -> Floats:
-    """Return per axis the weighted 5, 50, 95 % and plain 1, 99 % quantiles, (n, 3, 5)."""
-    n, m, _ = points.shape
-    columns = points.transpose(0, 2, 1).reshape(3 * n, m)
-    outside = np.repeat(~inside, 3, axis=0)
-    order, grains = _sorted_order(columns, outside)
-    mass = np.cumsum(_along(np.repeat(share, 3, axis=0), order), axis=1)
-    last = np.repeat(inside.sum(axis=1) - 1, 3)
-    picks: list[NDArray[Any]] = []
-    for quantile in (0.05, 0.5, 0.95):
-        at = np.minimum((mass < quantile).sum(axis=1), last)
-        picks.append(_along(grains, at[:, None])[:, 0].astype(np.float64))
-    for quantile in (OUTER_SHARE, 1 - OUTER_SHARE):
-        place = quantile * last
-        below = np.floor(place).astype(np.int64)
-        above = np.minimum(below + 1, last)
-        pair = _along(grains, np.stack([below, above], axis=1))
-        picks.append(pair[:, 0] + (place - below) * (pair[:, 1] - pair[:, 0]))
-    return (np.stack(picks, axis=1) / GRAIN_PER_M).reshape(n, 3, 5)
+def _bounds(points: Floats, share: Floats, window: _Samples) -> Floats:
+    """Return per axis the weighted 5, 50, 95 % and plain 1, 99 % quantiles, (5, n, 3).
+
+    Args:
+        points: (3, k).
+        share: (k,) of the detection's weight; sums to 1 in each.
+    """
+    n, k = len(window.stop), points.shape[1]
+    group = (np.arange(3)[:, None] * n + window.row).ravel()
+    order, grains = _sorted_order(points.ravel(), group)
+    mass = np.cumsum(np.concatenate([share] * 3)[order])
+    begin = (np.arange(3)[:, None] * k + window.start).ravel()
+    last = (np.arange(3)[:, None] * k + window.stop).ravel() - 1
+    # Each group's mass is 1, so that all before it sum to its number.
+    at = np.searchsorted(mass, np.arange(3 * n) + WEIGHTED[:, None])
+    out = np.empty((5, 3 * n))
+    out[:3] = grains[np.minimum(at, last)]
+    place = PLAIN[:, None] * (last - begin)
+    below = np.floor(place).astype(np.int64)
+    lower = grains[begin + below]
+    upper = grains[np.minimum(begin + below + 1, last)]
+    out[3:] = lower + (place - below) * (upper - lower)
+    return np.asarray((out / GRAIN_PER_M).reshape(5, 3, n).transpose(0, 2, 1))
