@@ -163,6 +163,7 @@ def counting(
     """Count instances in rendered rooms under detector errors (paper, Table II)."""
     from doro_evaluation import counting_report as report
     from doro_evaluation.figures import write_figures
+    from doro_evaluation.reasons import figures_of as cause_figures
     from doro_evaluation.runs import Job, error_names, recordings_of, spread
 
     folder = ensure_set(options, "set", part)
@@ -183,7 +184,7 @@ def counting(
         report.plot_counts(plot_path, by_run, min_views)
     if failures_path is not None:
         report.write_failures(failures_path, by_run, min_views)
-    figures = report.figures_of(by_run, min_views)
+    figures = report.figures_of(by_run, min_views) | cause_figures(by_run)
     command = f"doro eval counting --part {part} --errors {errors} --finder {finders}"
     if most is not None:
         command += f" --rooms {most}"

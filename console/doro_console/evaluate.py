@@ -12,6 +12,7 @@ from rich.progress import Progress
 from doro_console.ablations import ablations
 from doro_console.caption import perception
 from doro_console.counting import chairs, counting, stacks
+from doro_console.everything import everything, report
 from doro_console.options import says_refusals, talk
 from doro_console.planning import planning
 from doro_console.queries import multi_view, queries, single_view
@@ -91,5 +92,7 @@ for command in (
     multi_view,
     ablations,
     speed,
+    everything,
+    report,
 ):
     evaluate.add_command(command)

@@ -38,12 +38,14 @@ class PairOptions(msgspec.Struct, frozen=True, kw_only=True):
     systems: str = SYSTEMS
     pair_seed: int = 7
     cases: Path | None = None
+    most: int | None = None
 
     def command(self, name: str) -> str:
         """Return the command that gives the same figures."""
         return (
             f"doro eval {name} --part {self.part} --pairs {self.count} --errors {self.errors}"
             f" --systems {self.systems} --pair-seed {self.pair_seed}"
+            + (f" --rooms {self.most}" if self.most is not None else "")
         )
 
 
@@ -55,6 +57,7 @@ def pair_options(command: Callable[..., None]) -> Callable[..., None]:
     @click.option("--errors", default=ERRORS, show_default=True, help="Of the detector.")
     @click.option("--systems", default=SYSTEMS, show_default=True)
     @click.option("--pair-seed", default=7, show_default=True, help="Draws the pairs.")
+    @click.option("--rooms", "most", type=click.IntRange(1), help="Only so many recordings.")
     @click.option("--cases", type=FILE, help="Every pair, what was said and is true, JSON lines.")
     @wraps(command)
     def wrapped(**given: Any) -> None:
@@ -68,7 +71,7 @@ def run_pairs(options: Options, chosen: PairOptions) -> list[QueryOutcome]:
     """Run the pairs through the systems behind a progress bar."""
     from doro_evaluation.pairs import select_pairs
     from doro_evaluation.query_runs import jobs_of, run_queries
-    from doro_evaluation.runs import error_names, recordings_of
+    from doro_evaluation.runs import error_names, recordings_of, spread
 
     part = "paper" if chosen.part == "test" else chosen.part
     folder = ensure_set(options, "set", part)
@@ -76,7 +79,7 @@ def run_pairs(options: Options, chosen: PairOptions) -> list[QueryOutcome]:
     context = make_context(recordings_of(folder, chosen.part), chosen.part, options)
     names = tuple(name.strip() for name in chosen.systems.split(",") if name.strip())
     jobs = jobs_of(
-        recordings_of(folder, part),
+        spread(recordings_of(folder, part), chosen.most),
         select_pairs(folder, chosen.part, chosen.pair_seed, chosen.count),
         errors=error_names(chosen.errors)[0],
         systems=names,

@@ -8,11 +8,13 @@ look for what to mend; no figure of the paper depends on them.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from doro_evaluation.bootstrap import share, tallied
 from doro_evaluation.counting import RADII_M, items, pair_up
+from doro_evaluation.figures import Figure
 from doro_evaluation.outcomes import Outcome, Thing
 
 FEW = 2
@@ -26,6 +28,8 @@ LOST = "not found, though three views or more show it"
 TWICE = "one thing counted twice"
 OTHER = "another thing under its name"
 NOTHING = "nothing of the class is there"
+BINS = (1, 2, 3, 6, 11, 21, 51)
+"""Where the classes of "number of views that show it" begin."""
 REASONS = (RARE, MERGED, RENAMED, LOST, TWICE, OTHER, NOTHING)
 
 
@@ -49,6 +53,44 @@ def causes(outcomes: Sequence[Outcome]) -> Counter[str]:
             if item.true != item.found:
                 counts.update(reasons_of(outcome, item.object_type))
     return Counter({name: counts[name] for name in REASONS if counts[name]})
+
+
+def figures_of(runs: Mapping[tuple[str, str], Sequence[Outcome]]) -> dict[str, Figure]:
+    """Return ``causes/<system>/<errors>/<cause>`` and ``seen/<system>/<errors>/<views>/found``.
+
+    The latter is the share of true instances, shown by so many views, with a found one of their
+    class within half a metre; 95 % intervals over rooms.
+    """
+    figures: dict[str, Figure] = {}
+    for (system, errors), outcomes in runs.items():
+        wrong = [item for one in outcomes for item in items(one) if item.true != item.found]
+        figures[f"causes/{system}/{errors}/wrong_items"] = len(wrong)
+        for cause, count in causes(outcomes).items():
+            key = cause.replace(",", "").replace(" ", "_")
+            figures[f"causes/{system}/{errors}/{key}"] = count
+        figures |= _seen(f"seen/{system}/{errors}", outcomes)
+    return figures
+
+
+def _seen(name: str, outcomes: Sequence[Outcome]) -> dict[str, Figure]:
+    rooms = {room: k for k, room in enumerate(sorted({one.room for one in outcomes}))}
+    counts = np.zeros((len(BINS), len(rooms), 2))
+    for outcome in outcomes:
+        found = {pair[0] for pair in pair_up(outcome.truth, outcome.found, RADII_M[0])}
+        for k, thing in enumerate(outcome.truth):
+            row = int(np.searchsorted(BINS, thing.views, side="right")) - 1
+            counts[row, rooms[outcome.room]] += (k in found, 1)
+    figures: dict[str, Figure] = {}
+    for least, tallies in zip(BINS, counts, strict=True):
+        if not tallies.any():
+            continue
+        score = tallied(tallies, share)
+        start = f"{name}/{least}"
+        figures[f"{start}/things"] = int(tallies[:, 1].sum())
+        figures[f"{start}/found"] = round(score.value, 4)
+        figures[f"{start}/found_low"] = round(score.low, 4)
+        figures[f"{start}/found_high"] = round(score.high, 4)
+    return figures
 
 
 def _missed(thing: Thing, paired: Sequence[Thing], outcome: Outcome) -> str:
