@@ -104,10 +104,10 @@ def read_vocabulary(path: Path) -> VocabularyFile:
         return msgspec.json.decode(path.read_bytes(), type=VocabularyFile)
     except OSError as error:
         raise Refused(
-            f"the baseline has no {path}: name the folder of a trained baseline"
+            f"{path} cannot be read: restore it, or name the folder of a trained model"
         ) from error
     except msgspec.DecodeError as error:
-        raise Refused(f"{path} is damaged ({error}): train the baseline again") from error
+        raise Refused(f"{path} is damaged ({error}): restore it, or train again") from error
 
 
 def joined(captions: Sequence[Sequence[str]]) -> str:
