@@ -79,9 +79,10 @@ def _counting(asked: Everything) -> Found:
 
 def _queries(asked: Everything) -> Found:
     from doro_evaluation import query_report
+    from doro_evaluation.query_runs import missing_baseline
 
     scores = query_report.score_all(ask(asked))
-    for table in query_report.tables_of(scores):
+    for table in query_report.tables_of(scores, missing_baseline()):
         show(table, 210)
     return query_report.figures_of(scores)
 
@@ -185,6 +186,7 @@ def _command(asked: Everything, tables: str) -> str:
 def _report(asked: Everything, publish: Path | None) -> None:
     """Write page, Markdown, plots and all figures."""
     from doro_evaluation.headline import read_figures
+    from doro_evaluation.query_runs import missing_baseline
     from doro_evaluation.report import Report, write_report
 
     options = asked.options
@@ -198,7 +200,7 @@ def _report(asked: Everything, publish: Path | None) -> None:
     recordings = {one.name: one for one in asked.chosen("test")}
     made = Report(
         figures=figures, command=command, counted=count(asked), asked=ask(asked),
-        recordings=recordings,
+        recordings=recordings, missing=missing_baseline(),
     )  # fmt: skip
     with progress_bar() as progress:
         task = progress.add_task("pictures", total=None)

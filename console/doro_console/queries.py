@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from doro_evaluation.queries import QueryOutcome
 
 ERRORS = "cs+sd+fn"
-SYSTEMS = "ours,paper_literal"
+SYSTEMS = "ours,paper_literal,baseline"
 WIDE = 210
 
 
@@ -99,11 +99,12 @@ def run_tables(
     """Run, print tables, write figures and cases; return the figures."""
     from doro_evaluation import query_report as report
     from doro_evaluation.figures import write_figures
+    from doro_evaluation.query_runs import missing_baseline
 
     outcomes = run_pairs(options, chosen)
     outcomes = [one for one in outcomes if report.row_of(one.view, one.system)[0] in tables]
     scores = report.score_all(outcomes)
-    for table in report.tables_of(scores, only=tables):
+    for table in report.tables_of(scores, missing_baseline(), tables):
         show(table, WIDE)
     if chosen.cases is not None:
         report.write_cases(chosen.cases, outcomes)

@@ -16,7 +16,7 @@ from matplotlib.patches import Rectangle
 
 from doro_evaluation.chain import Room, load_room
 from doro_evaluation.context import Recorded
-from doro_evaluation.counting import items
+from doro_evaluation.counting import Item, items
 from doro_evaluation.outcomes import CLASS_OF_NAME, Outcome, Thing
 from doro_evaluation.queries import QueryOutcome
 from doro_evaluation.reasons import reasons_of
@@ -65,11 +65,18 @@ def counting_failures(outcomes: Sequence[Outcome]) -> list[Failure]:
                 f"{outcome.recording}, {item.object_type}: {item.true} true, {item.found} found"
                 f" ({outcome.errors})"
             )
-            told = tuple(f"{one}." for one in dict.fromkeys(causes))
+            told = (*(f"{one}." for one in dict.fromkeys(causes)), _views_of(outcome, item))
             found.append(
                 Failure(outcome.recording, item.object_type, title, told, causes[0], outcome)
             )
     return found
+
+
+def _views_of(outcome: Outcome, item: Item) -> str:
+    """Return in words how many views show each true instance, by its letter."""
+    true = [one for one in outcome.truth if one.object_type == item.object_type]
+    told = [f"{letter} {one.views}" for letter, one in zip(LETTERS, true, strict=False)]
+    return f"Views that show each, of {outcome.frames}: {', '.join(told)}." if told else ""
 
 
 def query_failures(asked: Sequence[QueryOutcome], outcomes: Mapping[str, Outcome]) -> list[Failure]:
@@ -158,7 +165,8 @@ def draw_above(axis: Axes, failure: Failure) -> None:
     for letter, one in zip(LETTERS, true, strict=False):
         axis.add_patch(_footprint(one, {"facecolor": "#9ecae1", "edgecolor": "none"}))
         x, z = one.center_m[0], one.center_m[2]
-        axis.annotate(f"{letter}: {one.views} views", (x, z), fontsize=7, color="#08306b")
+        at = (4, 4 - 9 * (ord(letter) % 2))
+        axis.annotate(letter, (x, z), fontsize=8, xytext=at, textcoords="offset points")
     for one in outcome.found:
         if one.object_type == kind:
             style = {"fill": False, "edgecolor": "#cb181d", "linewidth": 1.5}

@@ -78,9 +78,9 @@ def f1_by_error(figures: Figures) -> bytes:
             above.append(float(figures.get(f"{name}_high", value)) - value)
         at = place + (shift - 1) * 0.27
         axis.bar(at, values, 0.25, yerr=(below, above), color=COLORS[system], label=system)
-    axis.set_xticks(place, [ERRORS[errors] for errors in shown], fontsize=7)
+    axis.set_xticks(place, [ERRORS[errors].replace(" (", "\n(") for errors in shown], fontsize=8)
     axis.set(ylabel="average F1", ylim=(0, 1.03))
-    axis.legend(loc="lower left", fontsize=8)
+    axis.legend(loc="upper center", bbox_to_anchor=(0.5, 1.14), ncols=3, fontsize=8)
     return _png(plot)
 
 

@@ -16,8 +16,6 @@ from doro_evaluation.scores import QueryScores, score_queries
 
 Row = tuple[str, str]
 """A table (``single-view``: Table III, ``multi-view``: Table IV) and a system in it."""
-Similar = Mapping[str, Mapping[tuple[str, str, str], float]]
-"""By metric: a value by (view, system, id of the pair)."""
 METRICS = {
     "qa": "QA",
     "aa": "AA",
@@ -79,25 +77,13 @@ def row_of(view: str, system: str) -> Row:
     return table, system + SUFFIX[view]
 
 
-def score_all(
-    outcomes: Sequence[QueryOutcome], similar: Similar | None = None
-) -> dict[Row, QueryScores]:
+def score_all(outcomes: Sequence[QueryOutcome]) -> dict[Row, QueryScores]:
     """Return the figures of every row, in the order of the tables."""
     rows: dict[Row, list[QueryOutcome]] = defaultdict(list)
     for one in sorted(outcomes, key=lambda one: (one.pair.id, one.system, one.view)):
         rows[row_of(one.view, one.system)].append(one)
     ordered = sorted(rows, key=lambda row: (list(TABLES).index(row[0]), list(NAMES).index(row[1])))
-    return {row: score_queries(rows[row], _values(rows[row], similar or {})) for row in ordered}
-
-
-def _values(outcomes: Sequence[QueryOutcome], similar: Similar) -> dict[str, list[float]]:
-    """Return by metric the values of outcomes, where there is one for each."""
-    keys = [(one.view, one.system, one.pair.id) for one in outcomes]
-    return {
-        metric: [values[key] for key in keys]
-        for metric, values in similar.items()
-        if all(key in values for key in keys)
-    }
+    return {row: score_queries(rows[row]) for row in ordered}
 
 
 def figures_of(scores: Mapping[Row, QueryScores]) -> dict[str, Figure]:

@@ -13,7 +13,7 @@ drawn with replacement, as recordings of one room are not independent.
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 
 import msgspec
 import numpy as np
@@ -50,16 +50,8 @@ class QueryScores(msgspec.Struct, frozen=True):
     cosine: Score | None = None
 
 
-def score_queries(
-    outcomes: Sequence[QueryOutcome],
-    similar: Mapping[str, Sequence[float]] | None = None,
-    seed: int = 0,
-) -> QueryScores:
-    """Return the figures of the outcomes of one system in one view.
-
-    Args:
-        similar: by name (``bertscore``, ``cosine``) a value for each outcome.
-    """
+def score_queries(outcomes: Sequence[QueryOutcome], seed: int = 0) -> QueryScores:
+    """Return the figures of the outcomes of one system in one view."""
 
     def scored(tally: Tally, statistic: Statistic) -> Score:
         return tallied(_by_room(outcomes, [tally(one) for one in outcomes]), statistic, seed)
@@ -67,7 +59,8 @@ def score_queries(
     faults = Counter(one.verdict.fault for one in outcomes if one.verdict.fault)
     more = {
         name: tallied(_by_room(outcomes, [(value, 1.0) for value in values]), share, seed)
-        for name, values in (similar or {}).items()
+        for name in ("bertscore", "cosine")
+        if (values := _values(outcomes, name))
     }
     return QueryScores(
         pairs=len(outcomes),
@@ -108,6 +101,12 @@ def _corpus_bleu(sums: Floats) -> Floats:
         counts, totals, (said, meant) = row[:ORDERS], row[ORDERS : 2 * ORDERS], row[-2:]
         values.append(BLEU.compute_bleu(counts, totals, said, meant, smooth_method="exp").score)
     return np.array(values) / 100
+
+
+def _values(outcomes: Sequence[QueryOutcome], name: str) -> list[float]:
+    """Return a value for each outcome; none where one of them has none."""
+    values = [getattr(one, name) for one in outcomes]
+    return [] if None in values else [float(value) for value in values]
 
 
 def _ambiguity(one: QueryOutcome) -> tuple[bool, bool, bool]:
