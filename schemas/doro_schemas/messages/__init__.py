@@ -26,6 +26,7 @@ from doro_schemas.messages.map import (
     Instance,
     Instances,
     InstancesRequest,
+    UnnamedPlace,
 )
 from doro_schemas.messages.perception import (
     AttributeShares,
@@ -78,5 +79,6 @@ __all__ = [
     "SimRelation",
     "StageTiming",
     "Target",
+    "UnnamedPlace",
     "UnnamedRegion",
 ]

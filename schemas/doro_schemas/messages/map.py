@@ -207,6 +207,18 @@ class GoneInstance(msgspec.Struct, frozen=True):
     replaced_by: str = ""
 
 
+class UnnamedPlace(msgspec.Struct, frozen=True):
+    """Something is there that the detector could not name; it counts as nothing.
+
+    Attributes:
+        position_m: its centre, world axes, metres.
+        views: frames that showed it.
+    """
+
+    position_m: list[float]
+    views: int
+
+
 class InstancesRequest(Message, kw_only=True):
     """A question to ``doro/instances``: which unique instances of a class are there?
 
@@ -235,9 +247,16 @@ class Instances(Message, kw_only=True):
         gone: ids given before that stand for no counted instance of the reply's classes.
         one_sided_share: share of the area observed that was looked at from one side only, 0..1;
             what hides behind things there has not been seen.
+        unnamed: places with something that has no name, whatever class is asked for, those with
+            most views first.
     """
 
-    ADDED: ClassVar[dict[str, object]] = {"tentative": [], "gone": [], "one_sided_share": 0.0}
+    ADDED: ClassVar[dict[str, object]] = {
+        "tentative": [],
+        "gone": [],
+        "one_sided_share": 0.0,
+        "unnamed": [],
+    }
 
     name: str
     frames_merged: int
@@ -248,3 +267,4 @@ class Instances(Message, kw_only=True):
     tentative: list[Instance] = []
     gone: list[GoneInstance] = []
     one_sided_share: float = 0.0
+    unnamed: list[UnnamedPlace] = []

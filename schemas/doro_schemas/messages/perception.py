@@ -148,12 +148,17 @@ class FrameGraphs(FrameMessage, kw_only=True):
 
     Attributes:
         not_understood: captions that gave no graph.
+        unnamed: regions of :class:`FrameCaptions`, handed on.
     """
+
+    ADDED: ClassVar[dict[str, object]] = {"unnamed": []}
 
     detections: list[GraphBox] = []
     not_understood: list[str] = []
+    unnamed: list[UnnamedRegion] = []
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for detection in self.detections:
-            check_box(detection.box_px, self.height_px, self.width_px)
+        boxes = [item.box_px for item in self.detections] + [item.box_px for item in self.unnamed]
+        for box_px in boxes:
+            check_box(box_px, self.height_px, self.width_px)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from doro_dialogue.ask_reading import compose_read
-from doro_dialogue.decision import decide, paper_literal
+from doro_dialogue.decision import Decision, decide, paper_literal
 from doro_dialogue.facts import Candidate
 from doro_dialogue.question import Part, pick
 from doro_dialogue.readings import Read, decide_readings
@@ -55,7 +55,7 @@ def query_of(
         input_graph=decision.graph,
         state=decision.state,
         reason=decision.reason,
-        text=pick(question.wordings, settings.seed, dialogue_id),
+        text=pick(question.wordings, settings.seed, dialogue_id) + _nameless(decision, reply),
         clauses=clauses_of(question.parts, reply.instances, question.seen_from),
         matches=decision.matches,
         instances=decision.instances,
@@ -66,6 +66,14 @@ def query_of(
         seen_from=question.seen_from,
         also=clauses_of(question.also, reply.instances),
     )
+
+
+def _nameless(decision: Decision, reply: Instances) -> str:
+    """Return what is said besides of a missing thing: something there has no name."""
+    count = len(reply.unnamed)
+    if decision.state != "INFORM-MISSING" or decision.literal or not count:
+        return ""
+    return f" I also saw {'something' if count == 1 else f'{count} things'} that I cannot name."
 
 
 def clauses_of(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,9 +26,10 @@ from doro_mapper.naming import NameMemory
 from doro_mapper.projection import Measured, measure
 from doro_mapper.settings import MapperSettings
 from doro_mapper.shots import Shot, shot
+from doro_mapper.unnamed import Place, UnnamedPlaces
 from doro_mapper.views import Floats, Views, camera_of
 from doro_schemas.camera import Pose
-from doro_schemas.messages import DepthFrame, FrameGraphs, GraphBox, GraphEntry
+from doro_schemas.messages import DepthFrame, FrameGraphs, GraphBox, GraphEntry, UnnamedRegion
 from doro_schemas.vocabulary import name_satisfies
 
 SAME_PLACE = 0.5
@@ -75,6 +77,7 @@ class Area:
     def __init__(self, settings: MapperSettings) -> None:
         self._settings = settings
         self._names = NameMemory()
+        self._unnamed = UnnamedPlaces()
         self.views = Views(settings.max_views)
         self.maps = HashMaps(settings.cell_m, settings.band_m, settings.max_cells)
         self.coverage = Coverage(settings.cell_m, settings.coverage_cell_m, settings.max_depth_m)
@@ -92,6 +95,9 @@ class Area:
         self._remember(depth.camera, depth.frame, serial)
         self.coverage.add(self.views.thumb_m(serial), camera)
         frame = self._sighted(depth, depth_m, graphs, counters)
+        if graphs.unnamed:
+            edges = _clipped(graphs.unnamed, depth.width_px, depth.height_px)
+            self._unnamed.add(serial, self._measured(depth_m, edges))
         first_new = len(self.maps.graphs)
         ids = [self.maps.graph_id(sighting.graph)[0] for sighting in frame.sightings]
         m = frame.measured
@@ -120,18 +126,10 @@ class Area:
         The frame's view has been added.
         """
         options, serial = self._settings, self.views.total - 1
-        camera = self.views.camera(serial)
         boxes = _clipped(graphs.detections, depth.width_px, depth.height_px)
         large = np.flatnonzero((boxes[:, 2:] - boxes[:, :2]).min(axis=1) >= options.min_box_px)
         counters["detections_too_small"] += len(boxes) - len(large)
-        measured = measure(
-            depth_m,
-            boxes[large],
-            camera,
-            sigma=options.sigma,
-            samples=options.samples,
-            max_depth_m=options.max_depth_m,
-        )
+        measured = self._measured(depth_m, boxes[large])
         counters["detections_without_depth"] += len(large) - len(measured)
         own = [graphs.detections[int(large[k])] for k in measured.index.tolist()]
         kept = without_duplicates(own, measured, options.duplicate_iou)
@@ -143,6 +141,18 @@ class Area:
             own = self._names.fused(own, measured)
         sightings = [self._sighting(box, k, measured, serial, depth) for k, box in enumerate(own)]
         return FrameSightings(serial, depth.camera, depth.frame, sightings, measured)
+
+    def _measured(self, depth_m: NDArray[np.float32], boxes_px: Floats) -> Measured:
+        """Return where boxes of the latest view are."""
+        options = self._settings
+        return measure(
+            depth_m,
+            boxes_px,
+            self.views.camera(self.views.total - 1),
+            sigma=options.sigma,
+            samples=options.samples,
+            max_depth_m=options.max_depth_m,
+        )
 
     def _sighting(
         self, box: GraphBox, k: int, measured: Measured, serial: int, depth: DepthFrame
@@ -183,6 +193,7 @@ class Area:
                 old = self.views.camera(serial)
                 new = camera_of(old.intrinsics, pose, old.size_px)
                 self.finder.move(serial, old, new)
+                self._unnamed.move(serial, old, new)
                 self.views.place(serial, new)
                 known += 1
         if not known:
@@ -207,6 +218,10 @@ class Area:
     def find(self) -> list[Found]:
         """Return all instances as of now."""
         return self.finder.find()
+
+    def unnamed(self, found: list[Found]) -> list[Place]:
+        """Return where something is that has no name and is no part of what was found."""
+        return self._unnamed.places(found)
 
     def digest(self) -> str:
         """Return the digest of graphs and cells."""
@@ -245,7 +260,9 @@ def region_scores(
     return regions.astype(np.int32).reshape(-1, 3), scores.astype(np.float32)
 
 
-def _clipped(detections: list[GraphBox], width_px: int, height_px: int) -> Floats:
+def _clipped(
+    detections: Sequence[GraphBox | UnnamedRegion], width_px: int, height_px: int
+) -> Floats:
     """Return the boxes inside the image (the wire tolerates half a pixel), (n, 4)."""
     boxes = np.array([box.box_px for box in detections], dtype=np.float64).reshape(-1, 4)
     return np.clip(boxes, 0.0, np.array([width_px, height_px, width_px, height_px], float))

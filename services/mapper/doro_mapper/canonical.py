@@ -39,4 +39,5 @@ def canonical(graphs: FrameGraphs) -> FrameGraphs:
             )
             for box in graphs.detections
         ],
+        unnamed=graphs.unnamed,
     )

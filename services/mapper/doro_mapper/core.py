@@ -124,7 +124,9 @@ class Mapper:
         self._check_episode(request.episode)
         area, world = self._area, self._world or "unity"
         if self._answer is None:
-            self._answer = build(area.find(), area.lost(), world, self._settings)
+            found = area.find()
+            unnamed = area.unnamed(found)
+            self._answer = build(found, area.lost(), world, self._settings, unnamed)
         answer = self._answer
         wanted = request.name.strip()
         chosen = [i for i in answer.counted if not wanted or name_satisfies(wanted, i.graph.name)]
@@ -140,6 +142,7 @@ class Mapper:
             tentative=answer.tentative_of(wanted),
             gone=answer.gone_of(wanted),
             one_sided_share=area.coverage.one_sided_share(),
+            unnamed=answer.unnamed,
         )
 
     def tracks(self) -> list[TrackSummary]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,10 +10,11 @@ import numpy as np
 from doro_mapper.finder import Found
 from doro_mapper.relations import relations_of
 from doro_mapper.settings import MapperSettings
+from doro_mapper.unnamed import Place
 from doro_mapper.views import Floats
 from doro_schemas.camera import World, bev_axes
 from doro_schemas.graph import ObjectGraph
-from doro_schemas.messages import ClassProbability, GoneInstance, Instance
+from doro_schemas.messages import ClassProbability, GoneInstance, Instance, UnnamedPlace
 from doro_schemas.vocabulary import name_satisfies
 
 POSITION_GRAIN_M = 0.05
@@ -27,6 +29,7 @@ class Answer:
         counted: instances, ordered by class and number.
         loose: things seen too little to count; there may be many, so that messages wait.
         gone: by id given that stands for no counted instance: the word, and its class.
+        unnamed: places with something that has no name.
     """
 
     counted: list[Instance]
@@ -34,6 +37,7 @@ class Answer:
     gone: list[tuple[GoneInstance, str]]
     world: World
     settings: MapperSettings
+    unnamed: list[UnnamedPlace]
 
     def tentative_of(self, name: str) -> list[Instance]:
         """Return things of a class and its kinds that were seen too little; of all for no name."""
@@ -49,7 +53,11 @@ class Answer:
 
 
 def build(
-    instances: list[Found], lost: list[str], world: World, settings: MapperSettings
+    instances: list[Found],
+    lost: list[str],
+    world: World,
+    settings: MapperSettings,
+    unnamed: Sequence[Place] = (),
 ) -> Answer:
     """Return all instances as messages, ordered by class and number.
 
@@ -58,6 +66,7 @@ def build(
 
     Args:
         lost: ids given to things that were forgotten.
+        unnamed: places with something that has no name.
     """
     ordered = sorted(instances, key=_order)
     counted = [found for found in ordered if not found.tentative and not found.gone]
@@ -69,7 +78,8 @@ def build(
         for found, graph, related in zip(counted, graphs, relations, strict=True)
     ]
     loose = [found for found in ordered if found.tentative and not found.gone]
-    return Answer(messages, loose, _gone(ordered, lost), world, settings)
+    places = [UnnamedPlace(_world(place.center_m, world), place.views) for place in unnamed]
+    return Answer(messages, loose, _gone(ordered, lost), world, settings, places)
 
 
 def _give_ids(counted: list[Found]) -> None:

@@ -117,6 +117,7 @@ class Nlu:
                 width_px=message.width_px,
                 detections=boxes,
                 not_understood=lost,
+                unnamed=message.unnamed,
             )
         ]
 
