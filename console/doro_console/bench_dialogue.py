@@ -100,12 +100,12 @@ def bench_bus(count: int) -> dict[str, Figure]:
 
 def _run(count: int, state_dir: str) -> _Run:
     sentences = instructions(count + WARM_UP)
-    with _services(state_dir) as bus, sample_recording() as sample:
+    with running_services(state_dir) as bus, sample_recording() as sample:
         conversation = Conversation(bus)
         health = _Health(bus)
         talk.print(f"playing the sample room, state {'off' if state_dir == 'off' else 'kept'}")
         Player(bus, PlaySettings()).play(Recording(sample))
-        times = [_instruct(bus, conversation, text) for text in sentences][WARM_UP:]
+        times = [instruct(bus, conversation, text) for text in sentences][WARM_UP:]
         parsed = conversation.parsed[WARM_UP:]
         asked = [_ask(bus, one) for one in parsed]
         stages = health.after(count)
@@ -118,7 +118,7 @@ def _run(count: int, state_dir: str) -> _Run:
     )
 
 
-def _instruct(bus: Bus, conversation: Conversation, text: str) -> tuple[float, float]:
+def instruct(bus: Bus, conversation: Conversation, text: str) -> tuple[float, float]:
     """Return milliseconds from the instruction to its graph, and to its query."""
     graphs, queries = len(conversation.parsed), len(conversation.queries)
     started_s = time.perf_counter()
@@ -179,7 +179,7 @@ class _Health:
 
 
 @contextmanager
-def _services(state_dir: str) -> Iterator[Bus]:
+def running_services(state_dir: str) -> Iterator[Bus]:
     """Run router and services on a free port; yield a bus to them."""
     endpoint = f"tcp/127.0.0.1:{free_port()}"
     sets = [f"bus.endpoint={endpoint}", f"dialogue.state_dir={state_dir}"]

@@ -13,6 +13,7 @@ from doro_console.ablations import ablations
 from doro_console.caption import perception
 from doro_console.counting import chairs, counting, stacks
 from doro_console.everything import everything, report
+from doro_console.live import live
 from doro_console.options import says_refusals, talk
 from doro_console.planning import planning
 from doro_console.queries import multi_view, queries, single_view
@@ -92,6 +93,7 @@ for command in (
     multi_view,
     ablations,
     speed,
+    live,
     everything,
     report,
 ):

@@ -6,7 +6,8 @@ QA of a pair is 1 when all of this holds, else 0:
 2. the instances that the query offers are the true ones that it should offer, one to one;
 3. every attribute and relation that a clause states is true of every instance it names:
    attributes by the truth's own values, relations as the truth lists them or, since it lists only
-   a holder and two landmarks, by the shared rule between the true boxes (``doro_schemas.spatial``).
+   a holder and two landmarks, by the shared rule between the true boxes (``doro_schemas.spatial``);
+4. where a query tells twins by left and right, they stand so in the frame that it names.
 
 The truth comes from the same decision on the true instances (class, attributes, relations) that
 a perfect detector reports in at least one view. Which found instance is which true one follows
@@ -15,20 +16,22 @@ from its place.
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Container, Mapping, Sequence
 from typing import Literal
 
 import msgspec
 import numpy as np
 
-from doro_dialogue.decision import Decision, decide
+from doro_dialogue.decision import Decision, Judged, decide
 from doro_dialogue.facts import Candidate, facts_of, graph_with
 from doro_dialogue.matching import match
 from doro_dialogue.question import Question, compose
+from doro_dialogue.rows import IN_ROW
 from doro_mapper.assignment import assign
 from doro_schemas.graph import ObjectGraph, Relation
-from doro_schemas.messages import Instance
+from doro_schemas.messages import Evidence, Instance, SimDetections
+from doro_schemas.messages.talk import SeenFrom
 from doro_schemas.spatial import Box3, relation_between
 from doro_schemas.vocabulary import name_satisfies
 from doro_sim_feeder.rooms.expressions import name_of, true_graph
@@ -67,22 +70,36 @@ class Truth(msgspec.Struct, frozen=True):
 
     Attributes:
         items: what counts; around: all of the room, as landmarks.
+        views: by object id the frames that show it, with true boxes.
     """
 
     items: list[TrueInstance]
     graphs: dict[str, ObjectGraph]
     around: list[TrueInstance]
+    views: dict[str, tuple[Evidence, ...]] = {}
 
     @classmethod
-    def of(cls, around: Sequence[TrueInstance], counted: Container[str]) -> Truth:
+    def of(
+        cls,
+        around: Sequence[TrueInstance],
+        counted: Container[str],
+        frames: Sequence[SimDetections] = (),
+    ) -> Truth:
         """Return the truth of a room.
 
         Args:
             around: all things of the room.
             counted: object ids of those that a perfect detector reports in some view.
+            frames: the views with true boxes; without them nothing is told by left and right.
         """
         seen = [item for item in around if item.object_id in counted]
-        return cls(seen, {item.object_id: true_graph(item) for item in seen}, list(around))
+        views: dict[str, list[Evidence]] = defaultdict(list)
+        for frame in frames:
+            for box in frame.detections:
+                shown = Evidence(frame.camera, frame.frame, list(box.box_px))
+                views[box.object_id].append(shown)
+        graphs = {item.object_id: true_graph(item) for item in seen}
+        return cls(seen, graphs, list(around), {name: tuple(own) for name, own in views.items()})
 
     def holds(self, said: ObjectGraph, object_id: str) -> bool:
         """Tell whether all that a clause says is true of an instance."""
@@ -115,9 +132,31 @@ class Truth(msgspec.Struct, frozen=True):
             if other.object_id != item.object_id
         )
 
+    def in_row(self, ids: Sequence[str], seen_from: SeenFrom) -> bool:
+        """Tell whether things stand from left to right in a frame."""
+        at = [
+            (shown.box_px[0] + shown.box_px[2]) / 2
+            for name in ids
+            for shown in self.views.get(name, ())
+            if (shown.camera, shown.frame) == (seen_from.camera, seen_from.frame)
+        ]
+        return len(at) == len(ids) and at == sorted(at)
+
     def decide(self, graph: ObjectGraph) -> Decision:
         """Return the true decision for the true input graph."""
         return decide(graph, [Candidate(name, seen) for name, seen in self.graphs.items()])
+
+    def wordings(self, right: Decision, task: str, unseen_share: float) -> list[str]:
+        """Return all true wordings: twins told by number, or by side where a view shows them."""
+        plain = compose(right, task=task, unseen_share=unseen_share).wordings
+        beside = msgspec.structs.replace(right, offered=[self._shown(one) for one in right.offered])
+        sided = compose(beside, task=task, unseen_share=unseen_share).wordings
+        return list(dict.fromkeys([*plain, *sided]))
+
+    def _shown(self, judged: Judged) -> Judged:
+        own = judged.candidate
+        views = self.views.get(own.id, ())
+        return msgspec.structs.replace(judged, candidate=Candidate(own.id, own.graph, views))
 
 
 def identify(found: Sequence[Instance], truth: Truth) -> dict[str, str]:
@@ -162,7 +201,7 @@ def judge(  # noqa: PLR0917
         unseen_share: as the query states it; the references state the same.
     """
     right = truth.decide(true_input)
-    references = compose(right, task=task, unseen_share=unseen_share).wordings
+    references = truth.wordings(right, task, unseen_share)
     if said is None:
         return Verdict("not understood", "", right.state, "", references)
     decision, question, text = said
@@ -189,6 +228,9 @@ def _fault(
         for name in part.instance_ids:
             if wrong := truth.untrue(part.graph, identity[name]):
                 return "attributes", wrong
+    row = [identity[one.instance_ids[0]] for one in question.parts if IN_ROW.search(one.text)]
+    if question.seen_from is not None and not truth.in_row(row, question.seen_from):
+        return "attributes", "left and right"
     return "", ""
 
 

@@ -9,9 +9,11 @@ from typing import Literal
 import msgspec
 import numpy as np
 
+from doro_dialogue.ask_reading import compose_read
 from doro_dialogue.decision import Decision, decide, paper_literal
 from doro_dialogue.facts import Candidate
-from doro_dialogue.question import Question, compose, pick
+from doro_dialogue.question import Question, pick
+from doro_dialogue.readings import decide_readings
 from doro_evaluation.chain import Room
 from doro_evaluation.judge import Truth, Verdict, identify, judge
 from doro_evaluation.maps import Found, MappedRoom
@@ -19,7 +21,7 @@ from doro_evaluation.outcomes import reported_in, reported_views
 from doro_evaluation.pairs import Pair
 from doro_nlu.core import Nlu
 from doro_schemas.graph import ObjectGraph
-from doro_schemas.messages import FrameGraphs, SimDetections
+from doro_schemas.messages import Evidence, FrameGraphs, SimDetections
 from doro_schemas.vocabulary import canonical_name, name_satisfies, split_camel_case
 
 View = Literal["multi-view", "one-view", "single-view", "single-view-shown"]
@@ -56,7 +58,7 @@ class Speaker:
     """
 
     def __init__(self, nlu: Nlu, system: str) -> None:
-        self._nlu, self._decide = nlu, DECIDERS[system]
+        self._nlu, self._decide, self._all = nlu, DECIDERS[system], system == "ours"
 
     def say(
         self, pair: Pair, candidates: Sequence[Candidate], unseen_share: float
@@ -65,18 +67,21 @@ class Speaker:
         parsed = self._nlu.parse_text(pair.instruction)
         if parsed.graph is None:
             return None
-        decision = self._decide(parsed.graph, candidates)
-        question = compose(decision, task=parsed.task, unseen_share=unseen_share)
-        return decision, question, pick(question.wordings, 0, pair.id)
+        readings = [parsed.graph, *parsed.readings] if self._all else [parsed.graph]
+        read = decide_readings(readings, candidates, self._decide)
+        question = compose_read(read, task=parsed.task, unseen_share=unseen_share)
+        return read.decision, question, pick(question.wordings, 0, pair.id)
 
 
 def multi_view(
     room: Room, pairs: Sequence[Pair], found: Found, nlu: Nlu, *, system: str = "ours"
 ) -> Iterator[QueryOutcome]:
     """Yield the outcomes of a recording's pairs on the map of all its views."""
-    truth = Truth.of(room.truth, reported_views(room))
+    truth = Truth.of(room.truth, reported_views(room), room.detections)
     identity = identify(found.instances, truth)
-    candidates = [Candidate(one.instance_id, one.graph) for one in found.instances]
+    candidates = [
+        Candidate(one.instance_id, one.graph, tuple(one.evidence)) for one in found.instances
+    ]
     speaker = Speaker(nlu, system)
     for pair in pairs:
         said = speaker.say(pair, candidates, found.unseen_share)
@@ -93,16 +98,16 @@ def single_view(
     system: str = "ours",
 ) -> Iterator[QueryOutcome]:
     """Yield the outcomes on one view each, judged by the whole room and by the image."""
-    whole = Truth.of(room.truth, reported_views(room))
+    whole = Truth.of(room.truth, reported_views(room), room.detections)
     speaker = Speaker(nlu, system)
     for pair in pairs:
         view = best_view(room.detections, pair)
         candidates, identity = of_view(graphs[view], room.detections[view])
-        said = speaker.say(pair, candidates, 0.0)
+        said, shown = speaker.say(pair, candidates, 0.0), [room.detections[view]]
         truths: dict[View, Truth] = {
             "one-view": whole,
-            "single-view": Truth.of(room.truth, set(identity.values())),
-            "single-view-shown": Truth.of(room.truth, reported_in(room, [view])),
+            "single-view": Truth.of(room.truth, set(identity.values()), shown),
+            "single-view-shown": Truth.of(room.truth, reported_in(room, [view]), shown),
         }
         for name, truth in truths.items():
             verdict = judge(truth, pair.graph, pair.task, said, identity)
@@ -139,7 +144,8 @@ def of_view(graphs: FrameGraphs, frame: SimDetections) -> tuple[list[Candidate],
     candidates, identity, taken = [], {}, set[str]()
     for number, box in enumerate(graphs.detections, start=1):
         name = f"{box.graph.name.replace(' ', '-')}-{number}"
-        candidates.append(Candidate(name, box.graph))
+        seen = Evidence(graphs.camera, graphs.frame, list(box.box_px), box.caption)
+        candidates.append(Candidate(name, box.graph, (seen,)))
         free = [
             item
             for item in frame.detections

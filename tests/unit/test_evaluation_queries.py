@@ -22,7 +22,7 @@ from doro_evaluation.tagging import intervals
 from doro_nlu.train.annotate import Example
 from doro_schemas.errors import Refused
 from doro_schemas.graph import ObjectGraph, Relation
-from doro_schemas.messages import Instance
+from doro_schemas.messages import Evidence, Instance, SimDetection, SimDetections
 from doro_sim_feeder.rooms.truth import TrueInstance, TrueRelation
 
 ON_TABLE = TrueRelation("is-on", "Table|1", "DiningTable", {"color": "white"})
@@ -119,6 +119,38 @@ LAMP_GRAPH = ObjectGraph("desk lamp")
 def test_a_landmark_of_another_color_is_not_the_one() -> None:
     on_black = Relation("is-on", ObjectGraph("dining table", {"color": "black"}))
     assert not TRUTH.holds(ObjectGraph("cup", {}, [on_black]), "Cup|1")
+
+
+def test_twins_are_told_by_side_as_they_stand_in_the_frame() -> None:
+    twins = [thing(f"Cup|{k}", "Cup", "red", (0.3 * k, 0.85, 0.0)) for k in (1, 2)]
+    frame = SimDetections(
+        camera="cam0", frame=7, width_px=300, height_px=300, stamp_ns=1,
+        detections=[
+            SimDetection(object_id=f"Cup|{k}", object_type="Cup", box_px=[x, 90.0, x + 20.0, 120.0])
+            for k, x in ((1, 50.0), (2, 150.0))
+        ],
+    )  # fmt: skip
+    truth = Truth.of([TABLE, *twins], {"Cup|1", "Cup|2"}, [frame])
+    boxes = {"cup-1": (0.3, [51, 90, 70, 121]), "cup-2": (0.6, [149, 91, 170, 119])}
+    instances = [found(name, cup("red"), (x, 0.85, 0.0)) for name, (x, _) in boxes.items()]
+
+    def said(order: tuple[str, str]) -> Verdict:
+        shown = {
+            name: (Evidence("cam0", 7, [float(v) for v in boxes[of][1]]),)
+            for name, of in zip(("cup-1", "cup-2"), order, strict=True)
+        }
+        decision = decide(
+            CUP, [Candidate(o.instance_id, o.graph, shown[o.instance_id]) for o in instances]
+        )
+        question = compose(decision)
+        outcome = (decision, question, question.wordings[0])
+        return judge(truth, CUP, "", outcome, identify(instances, truth))
+
+    right, wrong = said(("cup-1", "cup-2")), said(("cup-2", "cup-1"))
+    assert "on the left" in right.text
+    assert right.fault == ""
+    assert any("one on the left and one on the right" in text for text in right.references)
+    assert (wrong.fault, wrong.why) == ("attributes", "left and right")
 
 
 def test_what_was_not_understood_is_wrong_and_has_the_true_state() -> None:
