@@ -25,9 +25,15 @@ class DecoderLayer(Layer):
         self.look = nn.Linear(hidden, 2 * hidden)
         self.take = nn.Linear(hidden, hidden)
         self.norm_seen = nn.LayerNorm(hidden, self.norm1.eps)
-        for fresh in (self.ask, self.look, self.take):
-            nn.init.normal_(fresh.weight, std=0.02)
+        # Scores spread from the start, and what is attended to is handed on as it is: as one word
+        # table serves both sides, attending to a word already makes it likelier to be written.
+        for fresh in (self.ask, self.look):
+            nn.init.normal_(fresh.weight, std=hidden**-0.5)
             nn.init.zeros_(fresh.bias)
+        with torch.no_grad():
+            self.look.weight[hidden:].copy_(torch.eye(hidden))
+            self.take.weight.copy_(torch.eye(hidden))
+            self.take.bias.zero_()
 
     def seen(self, states: Tensor) -> Tensor:
         """Return keys and values (2, b, heads, p, h / heads) of the encoder's states (b, p, h)."""
