@@ -14,7 +14,7 @@ from rich.table import Table
 from doro_console.options import Common, common_options, says_refusals, talk
 
 if TYPE_CHECKING:
-    from doro_evaluation.outcomes import Outcome
+    from doro_evaluation.perception_chain import Chained
     from doro_perception.settings import PerceptionSettings
 
 LOOKING = click.Choice(["captioner", "coco", "onnx"])
@@ -22,6 +22,16 @@ FOLDER = click.Path(path_type=Path, file_okay=False)
 FILE = click.Path(path_type=Path, dir_okay=False)
 LOW_SCORE = 0.02
 SINGLE_FRAME_SCORE = 0.5
+CHAINED = {
+    "F1": "perception_counting/{}/average/f1",
+    "exact": "perception_counting/{}/accuracy",
+    "F1, 3 views": "perception_counting/{}/3_views/average/f1",
+    "pairs F1": "perception_counting/{}/matched_f1_0.5m",
+    "QA": "perception_answers/{}/qa",
+    "AA": "perception_answers/{}/aa",
+    "BLEU": "perception_answers/{}/bleu",
+}
+"""Columns of the table of --chain."""
 SHOWN = ("map50", "map50_evaluated", "recall", "top1", "top3", "colour", "material")
 
 
@@ -136,17 +146,21 @@ def _counted(common: Common, backend: str, rooms: int, views: int) -> dict[str, 
     settings = _settings(common, backend, relations=False)
     detector = make_backend(settings, Stages())
     assert detector is not None
-    found: list[Outcome] = []
+    found: list[Chained] = []
     for row in track(test_rows(rooms), "rooms", console=talk, transient=True):
         found += outcomes(render(row, views), detector, settings, SINGLE_FRAME_SCORE)
     figures = figures_of(found)
-    table = Table("", "F1", "accuracy", "matched F1", title=f"counting, {rooms} test rooms")
+    table = Table("", *CHAINED, title=f"end to end, {rooms} test rooms")
     for system in SYSTEMS:
-        keys = ("average/f1", "accuracy", "matched_f1_0.5m")
-        table.add_row(
-            system, *(str(figures.get(f"perception_counting/{system}/{key}")) for key in keys)
-        )
+        values = (figures[path.format(system)] for path in CHAINED.values())
+        table.add_row(system, *(str(value) for value in values))
     Console().print(table)
+    classes = Table("fused", "true", "found", "matched", title="by class")
+    prefix = "perception_counting/fused/class/"
+    for kind in sorted({key.split("/")[3] for key in figures if key.startswith(prefix)}):
+        counts = (figures[f"{prefix}{kind}/{key}"] for key in ("true", "found", "matched"))
+        classes.add_row(kind, *(str(value) for value in counts))
+    Console().print(classes)
     return figures
 
 

@@ -1,7 +1,8 @@
-"""Counting end to end with a detector that looks: rendered test rooms, no oracle.
+"""End to end with a detector that looks: rendered test rooms, no oracle.
 
 Rooms of the evaluation set are rendered in colour; their views go through perception, nlu and
-mapper in process. The oracle on the same views and the detector without fusion over views stand
+mapper in process, things are counted, and instructions of the paper's three kinds are answered
+from the map. The oracle on the same views and the detector without fusion over views stand
 beside it.
 """
 
@@ -14,9 +15,13 @@ import msgspec
 import numpy as np
 
 from doro_evaluation.chain import Language, Room, run_mapper
-from doro_evaluation.counting import summary, tally
+from doro_evaluation.counting import pair_up, relevant, summary, tally
 from doro_evaluation.figures import Figure
+from doro_evaluation.maps import Found
 from doro_evaluation.outcomes import Outcome, found_things, true_things
+from doro_evaluation.pairs import Pair
+from doro_evaluation.queries import QueryOutcome, multi_view
+from doro_evaluation.scores import score_queries
 from doro_mapper.settings import MapperSettings
 from doro_nlu.core import Nlu
 from doro_nlu.settings import NluSettings
@@ -29,13 +34,28 @@ from doro_schemas.messages import (
     DepthFrame,
     FrameCaptions,
     FrameGraphs,
+    Instances,
     InstancesRequest,
     SimDetections,
 )
 from doro_sim_feeder.rooms.episode import RoomEpisode
 from doro_sim_feeder.rooms.evaluation_set import SetRow, plan_set
+from doro_sim_feeder.rooms.expressions import KINDS, expressions
 
 SYSTEMS = ("oracle", "fused", "not fused", "single frames")
+PAIRS_OF_A_KIND = 4
+"""Instructions of each of the paper's three kinds that are asked in a room."""
+MATCHED_M = 0.5
+ENOUGH_VIEWS = 3
+"""Counting is told besides of things that a perfect detector reports in so many views."""
+
+
+@dataclass(frozen=True)
+class Chained:
+    """What a system made of a room: its counts and its answers."""
+
+    outcome: Outcome
+    answers: tuple[QueryOutcome, ...]
 
 
 @dataclass(frozen=True)
@@ -118,16 +138,21 @@ def _winner(box: CaptionedBox) -> CaptionedBox:
 
 
 def outcomes(
-    room: ColorRoom, detector: DetectionBackend, settings: PerceptionSettings, single: float
-) -> Iterator[Outcome]:
-    """Yield what each system finds in a room.
+    room: ColorRoom,
+    detector: DetectionBackend,
+    settings: PerceptionSettings,
+    single: float,
+    mapper: MapperSettings | None = None,
+) -> Iterator[Chained]:
+    """Yield what each system finds and answers in a room.
 
     Args:
         settings: of the detector with fusion, whose threshold may be low.
         single: threshold of the systems without fusion.
+        mapper: of the map; the systems without fusion only lack the fusion of names.
     """
     nlu = Nlu(msgspec.structs.replace(NluSettings(), cache_size=1_000_000))
-    plain = MapperSettings()
+    plain = mapper or MapperSettings()
     unfused = msgspec.structs.replace(plain, fuse_names=False)
     said = captions(room, Perception(settings, detector))
     tops = winners(said, single)
@@ -137,29 +162,87 @@ def outcomes(
         "not fused": (graphs(said, nlu), unfused),
         "single frames": (graphs(tops, nlu), unfused),
     }
-    truth = true_things(room.room)
+    asked = pairs_of(room.room)
     for system in SYSTEMS:
         found, use = runs[system]
-        instances = run_mapper(room.room, found, use).instances(InstancesRequest())
-        yield Outcome(
-            recording=room.room.name,
-            room=room.room.room,
-            part="test",
-            system=system,
-            errors=settings.backend,
-            frames=len(room.room.depths),
-            truth=truth,
-            found=found_things(instances.instances),
+        reply = run_mapper(room.room, found, use).instances(InstancesRequest())
+        yield Chained(
+            _counted(room.room, reply, system, settings.backend),
+            tuple(_answered(room.room, asked, reply, nlu, system)),
         )
 
 
-def figures_of(found: Sequence[Outcome]) -> dict[str, Figure]:
-    """Return the counting figures of each system, ``perception_counting/<system>/...``."""
+def _counted(room: Room, reply: Instances, system: str, backend: str) -> Outcome:
+    return Outcome(
+        recording=room.name,
+        room=room.room,
+        part="test",
+        system=system,
+        errors=backend,
+        frames=len(room.depths),
+        truth=true_things(room),
+        found=found_things(reply.instances),
+    )
+
+
+def pairs_of(room: Room, most: int = PAIRS_OF_A_KIND) -> list[Pair]:
+    """Return instructions about a room, so many of each kind, drawn by their ids."""
+    made = expressions(room.name, room.truth)
+    chosen = []
+    for kind in KINDS:
+        of_kind = [one for one in made if one.kind == kind]
+        numbers = np.random.default_rng(len(made)).permutation(len(of_kind))[:most]
+        chosen += [of_kind[k] for k in sorted(numbers.tolist())]
+    return [
+        Pair(one.id, room.name, one.kind, one.variant, one.text, one.task, one.graph)
+        for one in chosen
+    ]
+
+
+def _answered(
+    room: Room, asked: Sequence[Pair], reply: Instances, nlu: Nlu, system: str
+) -> Iterator[QueryOutcome]:
+    found = Found(tuple(reply.instances), reply.unseen_share)
+    for one in multi_view(room, asked, found, nlu):
+        yield msgspec.structs.replace(one, system=system)
+
+
+def figures_of(found: Sequence[Chained]) -> dict[str, Figure]:
+    """Return counting and answering figures of each system: ``perception_counting/<system>/...``
+    and ``perception_answers/<system>/...``; of things seen often as ``.../3_views/...``.
+    """
     figures: dict[str, Figure] = {}
     for system in SYSTEMS:
-        tallies = [tally(one) for one in found if one.system == system]
-        if not tallies:
+        own = [one for one in found if one.outcome.system == system]
+        if not own:
             continue
-        for metric, value in summary(np.sum(tallies, axis=0)).items():
-            figures[f"perception_counting/{system}/{metric}"] = round(float(value), 4)
+        prefix = f"perception_counting/{system}"
+        for part, least in ((prefix, 1), (f"{prefix}/{ENOUGH_VIEWS}_views", ENOUGH_VIEWS)):
+            total = np.sum([tally(one.outcome, least) for one in own], axis=0)
+            for metric, value in summary(total).items():
+                figures[f"{part}/{metric}"] = round(float(value), 4)
+        for kind, (true, told, matched) in by_class([one.outcome for one in own]).items():
+            figures[f"{prefix}/class/{kind}/true"] = true
+            figures[f"{prefix}/class/{kind}/found"] = told
+            figures[f"{prefix}/class/{kind}/matched"] = matched
+        scores = score_queries([answer for one in own for answer in one.answers])
+        answers = f"perception_answers/{system}"
+        figures[f"{answers}/pairs"] = scores.pairs
+        figures[f"{answers}/qa"] = round(scores.qa.value, 4)
+        figures[f"{answers}/aa"] = round(scores.aa.value, 4)
+        figures[f"{answers}/bleu"] = round(scores.bleu.value, 4)
     return figures
+
+
+def by_class(found: Sequence[Outcome]) -> dict[str, tuple[int, int, int]]:
+    """Return of each class how many are true, found, and pairs of both within half a metre."""
+    counts: dict[str, list[int]] = {}
+    for outcome in found:
+        true, told = relevant(outcome)
+        for thing in true:
+            counts.setdefault(thing.object_type, [0, 0, 0])[0] += 1
+        for thing in told:
+            counts.setdefault(thing.object_type, [0, 0, 0])[1] += 1
+        for index, _, _ in pair_up(true, told, MATCHED_M):
+            counts[true[index].object_type][2] += 1
+    return {kind: (row[0], row[1], row[2]) for kind, row in sorted(counts.items())}

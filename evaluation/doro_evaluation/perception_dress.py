@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from doro_evaluation.perception_doors import door
 from doro_evaluation.perception_prints import (
     Texture,
     cloth,
@@ -247,12 +248,14 @@ def _bars(pane: Part, rng: Rng) -> list[Part]:
 
 
 def deceivers(room: Rect, rng: Rng) -> list[Instance]:
-    """Return ceiling lamps, rugs, and on the walls pictures, sockets, clocks, shelves."""
+    """Return ceiling lamps, rugs, and on the walls doors, pictures, sockets, clocks, shelves."""
     found: list[Instance] = []
     for number in range(int(rng.integers(0, 4))):
         found.append(Instance(f"Deceiver|lamp{number}", "Structure", _ceiling_lamp(room, rng)))
     if rng.random() < 0.5:
         found.append(Instance("Deceiver|rug", "Structure", (_rug(room, rng),)))
+    for number in range(int(rng.integers(0, 3))):
+        found.append(Instance(f"Deceiver|door{number}", "Structure", door(room, rng)))
     for number in range(int(rng.integers(2, 9))):
         parts, kind = _on_wall(room, rng)
         found.append(Instance(f"Deceiver|wall{number}", kind, parts))

@@ -6,6 +6,7 @@ A shard is one npz file with the frames of one dressed room:
 ``frame`` int32, ``box`` float32 (n, 4) edges in pixels, ``kind`` int16 (index into CLASSES,
 UNNAMED_KIND for a thing without a name, -1 for a thing that is neither taught nor forbidden),
 ``colour``, ``material`` int8 (-1: unknown), ``ignore`` bool (too small or hidden), ``copy`` bool.
+``plain`` bool (): rendered as the evaluation renders, not dressed anew.
 """
 
 from __future__ import annotations
@@ -222,7 +223,9 @@ def _rich_view(scene: Scene, views: list[View], rng: np.random.Generator) -> Vie
     return best[1]
 
 
-def write_shard(path: Path, frames: Iterator[tuple[NDArray[np.uint8], Labels]]) -> int:
+def write_shard(
+    path: Path, frames: Iterator[tuple[NDArray[np.uint8], Labels]], *, plain: bool = False
+) -> int:
     """Write a shard; return how many frames have something to learn from."""
     data, ends, rows = [], [], []
     for color, labels in frames:
@@ -246,6 +249,7 @@ def write_shard(path: Path, frames: Iterator[tuple[NDArray[np.uint8], Labels]]) 
         jpeg=np.concatenate(data),
         ends=np.cumsum(ends),
         frame=np.repeat(np.arange(len(rows), dtype=np.int32), counts),
+        plain=np.array(plain),
         **columns,
     )
     partial.rename(path)
@@ -273,7 +277,7 @@ def main() -> None:
             start = time.monotonic()
             frames = frames_of(room, seed, arguments.frames, dress=not arguments.plain)
             try:
-                count = write_shard(path, frames)
+                count = write_shard(path, frames, plain=arguments.plain)
             except ValueError as error:
                 print(f"{room} seed {seed}: left out, {error}", file=sys.stderr)
                 continue

@@ -18,7 +18,7 @@ from doro_perception.stages import Stages
 from doro_schemas.errors import Refused
 from doro_schemas.messages import ColorFrame, FrameCaptions
 from doro_schemas.vocabulary import canonical_name
-from tests.tiny_onnx import FLOAT, INT64, UINT8, model, node, port
+from tests.tiny_onnx import FLOAT, UINT8, model, node, port
 
 UNNAMED = len(CLASSES)
 CUP, BOWL = CLASSES.index("Cup"), CLASSES.index("Bowl")
@@ -34,7 +34,8 @@ BOXES = np.array(
     np.float32,
 )[None]
 SCORES = np.array([[0.8, 0.7, 0.6, 0.5, 0.9]], np.float32)
-KINDS = np.array([[CUP, BOWL, BOWL, UNNAMED, CUP]], np.int64)
+KINDS = np.zeros((1, 5, UNNAMED + 1), np.float32)
+KINDS[0, np.arange(5), [CUP, BOWL, BOWL, UNNAMED, CUP]] = SCORES[0]
 
 
 def proposer() -> bytes:
@@ -53,7 +54,7 @@ def proposer() -> bytes:
         "_kinds": KINDS,
     }
     outputs = [port("boxes", FLOAT, [1, 5, 4]), port("scores", FLOAT, [1, 5])]
-    outputs.append(port("kinds", INT64, [1, 5]))
+    outputs.append(port("kinds", FLOAT, [1, 5, UNNAMED + 1]))
     return model(nodes, constants, [port("image", UINT8, [1, 320, 320, 3])], outputs)
 
 

@@ -31,7 +31,7 @@ SIDE_PX = 320
 PADDING = 114
 UNNAMED, NOTHING = len(CLASSES), len(CLASSES) + 1
 FLOOR = 0.01
-"""What the proposer gives the classes that it did not name at a place."""
+"""The least that the proposer gives a class at a place."""
 SAME_PLACE_IOU = 0.55
 FloatArray = NDArray[np.float64]
 
@@ -87,9 +87,7 @@ class Captioner:
         self._stages = stages or Stages()
         image, floats = "tensor(uint8)", "tensor(float)"
         self._proposer = Session(folder / PROPOSER, settings.threads, ADVICE)
-        self._proposer.need(
-            {"image": image}, {"boxes": floats, "scores": floats, "kinds": "tensor(int64)"}
-        )
+        self._proposer.need({"image": image}, {"boxes": floats, "scores": floats, "kinds": floats})
         self._crops = Session(folder / CROPS, settings.threads, ADVICE)
         self._crops.need({"crops": image}, {"kind": floats, "color": floats, "material": floats})
         self.calibration = read_calibration(folder / CALIBRATION)
@@ -132,12 +130,9 @@ class Captioner:
             turned = np.column_stack([SIDE_PX - other[:, 2], other[:, 1]])
             turned = np.column_stack([turned, SIDE_PX - other[:, 0], other[:, 3]])
             raw, score = np.vstack([raw, turned]), np.concatenate([score, more])
-            kind = np.concatenate([kind, kinds])
+            kind = np.vstack([kind, kinds])
         good = np.flatnonzero(
-            (score >= self._settings.candidate_score)
-            & np.isfinite(raw).all(axis=1)
-            & (kind >= 0)
-            & (kind <= UNNAMED)
+            (score >= self._settings.candidate_score) & np.isfinite(raw).all(axis=1)
         )
         order = good[np.argsort(-score[good], kind="stable")]
         limits = np.array([rgb.shape[1], rgb.shape[0]] * 2, np.float64)
@@ -150,27 +145,28 @@ class Captioner:
             overlaps = intersection_over_union(places[k], places[kept]) if kept else np.zeros(1)
             same = int(overlaps.argmax())
             if overlaps[same] > SAME_PLACE_IOU:
-                row = opinions[same]
-                row[kind[k]] = max(row[kind[k]], score[k])
+                np.maximum(opinions[same], kind[k], out=opinions[same])
             elif len(kept) < self._settings.max_boxes:
-                row = np.full(UNNAMED + 1, FLOOR)
-                row[kind[k]] = score[k]
                 kept.append(k)
-                opinions.append(row)
+                opinions.append(np.maximum(kind[k], FLOOR))
         return Candidates(places[kept], np.asarray(opinions).reshape(-1, UNNAMED + 1))
 
-    def _peaks(self, image: RgbImage) -> tuple[FloatArray, FloatArray, NDArray[np.int64]]:
-        """Return boxes (n, 4) in pixels of the input, scores and kinds (n,) of one look."""
+    def _peaks(self, image: RgbImage) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return boxes (n, 4) in pixels of the input, scores (n,) and what the classes'
+        maps say there (n, classes + 1).
+        """
         boxes, scores, kinds = self._proposer.run(
             ["boxes", "scores", "kinds"], {"image": image[None]}
         )
-        if boxes.shape != (*scores.shape, 4) or kinds.shape != scores.shape:
+        wide = (*scores.shape, UNNAMED + 1)
+        if boxes.shape != (*scores.shape, 4) or kinds.shape != wide:
             raise Refused(
                 f"model {self._proposer.path.name} gives boxes {boxes.shape}, scores"
                 f" {scores.shape} and kinds {kinds.shape}, which do not fit together: {ADVICE}"
             )
         score: FloatArray = np.nan_to_num(scores[0].astype(np.float64))
-        return boxes[0].astype(np.float64), score, kinds[0]
+        told = np.nan_to_num(np.asarray(kinds[0], np.float64))
+        return boxes[0].astype(np.float64), score, np.clip(told, 0.0, 1.0)
 
     def read(self, rgb: RgbImage, boxes: FloatArray) -> Read:
         """Return what the crop net says of each box, and of its mirror image."""

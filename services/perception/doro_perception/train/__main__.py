@@ -22,9 +22,11 @@ from torch.nn import functional
 
 from doro_perception.train import crops, proposer
 from doro_perception.train.backbone import read_weights, scaled
-from doro_perception.train.shards import Shards, prefetched
+from doro_perception.train.shards import Frame, Shards, prefetched
 
 SAVE_S, REFRESH_STEPS, LOG_STEPS = 120.0, 150, 25
+# Most of the time the proposer looks at windows of 256 px, 1.5 times as many.
+WINDOW_PX, WINDOW_SHARE = 256, 0.6
 WARM_STEPS, LAST_SHARE = 60, 0.02
 COCO = Path(__file__).resolve().parents[1] / "models" / "coco_ssdlite" / "coco_ssd_lite.onnx"
 
@@ -57,6 +59,16 @@ class Trainer:
         self.state = State()
         if self.path.exists():
             self._load()
+        elif arguments.start is not None:
+            # The average of an earlier run; its optimiser and its steps are not taken.
+            saved = torch.load(arguments.start / self.path.name, weights_only=True)["average"]
+            model.load_state_dict(saved)
+            self.average = {k: v.clone() for k, v in model.state_dict().items()}
+
+    @property
+    def share(self) -> float:
+        """How much of the time is used up."""
+        return min(1.0, self.state.trained_s / float(self.total_s))
 
     def _load(self) -> None:
         saved = torch.load(self.path, weights_only=True)
@@ -78,8 +90,7 @@ class Trainer:
         partial.rename(self.path)
 
     def step(self, loss: Tensor) -> None:
-        share = min(1.0, self.state.trained_s / self.total_s)
-        falling = LAST_SHARE + (1 - LAST_SHARE) * 0.5 * (1 + math.cos(math.pi * share))
+        falling = LAST_SHARE + (1 - LAST_SHARE) * 0.5 * (1 + math.cos(math.pi * self.share))
         warm = min(1.0, (self.state.steps + 1) / WARM_STEPS)
         for group, rate in zip(self.optimizer.param_groups, self.rates, strict=True):
             group["lr"] = rate * warm * falling
@@ -131,7 +142,18 @@ def counted(shards: Shards) -> np.ndarray[Any, np.dtype[np.float64]]:
     return np.bincount(kinds, minlength=crops.KINDS - 1).astype(np.float64)
 
 
-def batches(network: str, shards: Shards, size: int, seed: int) -> Iterator[Any]:
+def halved(
+    frames: list[Frame], worth: np.ndarray[Any, np.dtype[np.float64]]
+) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """Return how likely each frame is taken: half of them plain ones, where there are both."""
+    plain = np.array([frame.plain for frame in frames])
+    if plain.any() and not plain.all():
+        worth = np.where(plain, worth / worth[plain].sum(), worth / worth[~plain].sum())
+    odds: np.ndarray[Any, np.dtype[np.float64]] = worth / worth.sum()
+    return odds
+
+
+def batches(network: str, shards: Shards, size: int, seed: int, trainer: Trainer) -> Iterator[Any]:
     """Yield endless batches; new shards are taken in as they come."""
     numbers = {"made": 0}
     odds: dict[str, Any] = {}
@@ -142,8 +164,8 @@ def batches(network: str, shards: Shards, size: int, seed: int) -> Iterator[Any]
         worth = [
             1 + 8 * float(rare[f.kind[~f.ignore & (f.kind >= 0)]].sum()) for f in shards.frames
         ]
-        clipped = np.minimum(worth, 6.0)
-        odds["frames"] = clipped / clipped.sum()
+        odds["frames"] = halved(shards.frames, np.minimum(worth, 6.0))
+        odds["any"] = halved(shards.frames, np.ones(len(worth)))
 
     def make(rng: np.random.Generator) -> Any:
         if numbers["made"] % REFRESH_STEPS == 0:
@@ -151,8 +173,9 @@ def batches(network: str, shards: Shards, size: int, seed: int) -> Iterator[Any]
             weigh()
         numbers["made"] += 1
         if network == "proposer":
-            return proposer.batch(shards.frames, odds["frames"], size, rng)
-        return crops.batch(shards.frames, odds["kinds"], size, rng)
+            side_px = WINDOW_PX if trainer.share < WINDOW_SHARE else proposer.SIDE_PX
+            return proposer.batch(shards.frames, odds["frames"], size, rng, side_px)
+        return crops.batch(shards.frames, odds["any"], odds["kinds"], size, rng)
 
     return prefetched(make, seed)
 
@@ -164,8 +187,10 @@ def main() -> None:
     parser.add_argument("--data", type=Path, required=True)
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--minutes", type=float, default=40)
+    parser.add_argument("--start", type=Path, help="folder of an earlier run to begin from")
     parser.add_argument("--seed", type=int, default=7)
     parser.add_argument("--batch", type=int, default=0)
+    parser.add_argument("--log-steps", type=int, default=LOG_STEPS)
     parser.add_argument("--rate", type=float, default=1.5e-3)
     parser.add_argument("--decay", type=float, default=1e-4)
     arguments = parser.parse_args()
@@ -183,7 +208,8 @@ def main() -> None:
     size = arguments.batch or (16 if proposing else 64)
     compute = propose_losses if proposing else crop_losses
     # A resumed run sees other batches than the first: the seed goes on with the steps.
-    source = batches(arguments.network, shards, size, arguments.seed + trainer.state.steps)
+    seed = arguments.seed + trainer.state.steps
+    source = batches(arguments.network, shards, size, seed, trainer)
     last = saved = time.monotonic()
     while trainer.state.trained_s < trainer.total_s:
         loss, parts = compute(trainer.model, next(source))
@@ -192,7 +218,7 @@ def main() -> None:
         trainer.state.trained_s += now - last
         last = now
         trainer.state.recent.append(parts)
-        if trainer.state.steps % LOG_STEPS == 0:
+        if trainer.state.steps % arguments.log_steps == 0:
             mean = np.nanmean(np.array(trainer.state.recent), axis=0).round(3).tolist()
             trainer.state.recent.clear()
             rate = trainer.state.steps * size / max(trainer.state.trained_s, 1e-6)

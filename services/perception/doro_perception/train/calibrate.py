@@ -26,15 +26,20 @@ PRIOR_COUNT = 1.0
 TEMPERATURES = np.exp(np.linspace(np.log(0.5), np.log(4.0), 43))
 DETECTOR_SHARES = (0.0, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0)
 CLASS_SHARES = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8)
-PRIOR_SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)
+PRIOR_SHARES = (0.0, 0.25, 0.5, 0.75, 1.0, 1.5)
 NEWTON_STEPS = 60
 Floats = NDArray[np.float64]
 
 
 def material_prior(shards: Shards) -> tuple[tuple[float, ...], ...]:
-    """Return how often a thing of each class is of each material in the training frames."""
+    """Return how often a thing of each class is of each material in the training frames.
+
+    Frames dressed anew have materials at random and say nothing of that: where there are plain
+    ones, only those count.
+    """
     counts = np.full((len(CLASSES), len(MATERIALS)), PRIOR_COUNT / len(MATERIALS))
-    for frame in shards.frames:
+    plain = [frame for frame in shards.frames if frame.plain]
+    for frame in plain or shards.frames:
         known = (frame.kind >= 0) & (frame.kind < len(CLASSES)) & (frame.material >= 0)
         np.add.at(counts, (frame.kind[known], frame.material[known]), 1.0)
     share = counts / counts.sum(axis=1, keepdims=True)

@@ -62,16 +62,23 @@ class Exported(nn.Module):  # type: ignore[misc]
         return kind, colour, material
 
 
-def batch(frames: list[Frame], odds: NDArray[np.float64], size: int, rng: Rng) -> tuple[Any, ...]:
+def batch(
+    frames: list[Frame],
+    shares: NDArray[np.float64],
+    odds: NDArray[np.float64],
+    size: int,
+    rng: Rng,
+) -> tuple[Any, ...]:
     """Return crops uint8 (n, 96, 96, 3) and (class, colour, material) int64 (n, 3), -1 unknown.
 
     Args:
+        shares: how likely each frame is taken.
         odds: how likely a box of each class is taken, (KINDS - 1,).
     """
     crops: list[Image] = []
     labels: list[tuple[int, int, int]] = []
     while len(crops) < size:
-        frame = frames[int(rng.integers(len(frames)))]
+        frame = frames[int(rng.choice(len(frames), p=shares))]
         image, scale = frame.image(), 1.0
         if rng.random() < 0.4:
             side = int(rng.choice([300, 300, 320]))

@@ -94,7 +94,8 @@ def _doubled(x: Tensor) -> Tensor:
 class Exported(nn.Module):  # type: ignore[misc]
     """What the ONNX file holds: uint8 image (1, 320, 320, 3) to candidate boxes.
 
-    Outputs: boxes (1, 2 K, 4) edges in pixels of the input, scores (1, 2 K), kinds (1, 2 K).
+    Outputs: boxes (1, 2 K, 4) edges in pixels of the input, scores (1, 2 K) of the class whose
+    peak it is, kinds (1, 2 K, KINDS) what the heat says of every class at that place.
     """
 
     def __init__(self, model: Proposer, candidates: int = CANDIDATES) -> None:
@@ -111,10 +112,13 @@ class Exported(nn.Module):  # type: ignore[misc]
 
     def _peaks(self, heat: Tensor, edges: Tensor, stride: int) -> tuple[Tensor, Tensor, Tensor]:
         heat = torch.sigmoid(heat.float())
-        heat = heat * (functional.max_pool2d(heat, 3, 1, 1) == heat).float()
+        around = functional.max_pool2d(heat, 3, 1, 1)
         high, wide = heat.shape[-2:]
-        scores, index = torch.topk(heat.flatten(1), self.candidates)
-        kinds, place = index // (high * wide), index % (high * wide)
+        peaks = (heat * (around == heat).float()).flatten(1)
+        scores, index = torch.topk(peaks, self.candidates)
+        place = index % (high * wide)
+        # Peaks of two classes for one thing may lie in neighbouring cells.
+        kinds = around.flatten(2).gather(2, place[:, None].expand(-1, KINDS, -1)).transpose(1, 2)
         y, x = (place // wide).float() + 0.5, (place % wide).float() + 0.5
         edge = edges.flatten(2).gather(2, place[:, None].expand(-1, 4, -1))
         boxes = torch.stack(
@@ -123,13 +127,19 @@ class Exported(nn.Module):  # type: ignore[misc]
         return boxes * stride, scores, kinds
 
 
-def sample(frame: Frame, rng: Rng) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
-    """Return an augmented image and rows of (xmin, ymin, xmax, ymax, kind, ignore)."""
+def sample(
+    frame: Frame, rng: Rng, side_px: int = SIDE_PX
+) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+    """Return an augmented image and rows of (xmin, ymin, xmax, ymax, kind, ignore).
+
+    A smaller side is a smaller window on the same scales, not a smaller picture.
+    """
     image = frame.image()
     whole = image.shape[0]
-    crop, x0, y0 = whole, 0, 0
+    crop, x0, y0 = int(whole * side_px / SIDE_PX), 0, 0
     if rng.random() < 0.5:
-        crop = int(whole * rng.uniform(0.45, 1.0))
+        crop = int(crop * rng.uniform(0.45, 1.0))
+    if crop < whole:
         x0, y0 = rng.integers(0, whole - crop + 1, 2).tolist()
         good = np.flatnonzero(~frame.ignore & (frame.kind >= 0))
         if len(good) and rng.random() < 0.6:
@@ -139,24 +149,26 @@ def sample(frame: Frame, rng: Rng) -> tuple[NDArray[np.uint8], NDArray[np.float3
     part = image[y0 : y0 + crop, x0 : x0 + crop]
     if rng.random() < 0.25:  # the simulator's own frames have 300 px and no smooth edges
         part = resized(np.ascontiguousarray(part), min(crop, 300), rng)
-    part = resized(np.ascontiguousarray(part), SIDE_PX)
-    boxes = (frame.box - [x0, y0, x0, y0]) * (SIDE_PX / crop)
+    part = resized(np.ascontiguousarray(part), side_px)
+    boxes = (frame.box - [x0, y0, x0, y0]) * (side_px / crop)
     area = (boxes[:, 2:] - boxes[:, :2]).prod(axis=1)
-    cut = np.clip(boxes, 0, SIDE_PX)
+    cut = np.clip(boxes, 0, side_px)
     size = cut[:, 2:] - cut[:, :2]
     ignore = frame.ignore | (size.prod(axis=1) < 0.35 * area) | (size.min(axis=1) < 4)
     rows = np.column_stack([cut, frame.kind, ignore]).astype(np.float32)[size.min(axis=1) >= 2]
     if rng.random() < 0.5:
         part = np.ascontiguousarray(part[:, ::-1])
-        rows[:, [0, 2]] = SIDE_PX - rows[:, [2, 0]]
+        rows[:, [0, 2]] = side_px - rows[:, [2, 0]]
     return photometric(part, rng), rows
 
 
-def targets(rows: list[NDArray[np.float32]], stride: int) -> tuple[Tensor, ...]:
+def targets(
+    rows: list[NDArray[np.float32]], stride: int, side_px: int = SIDE_PX
+) -> tuple[Tensor, ...]:
     """Return what each cell of the heat may cost (n, KINDS, h, w), the flat places of the
     centres, edges (n, 4, h, w) in pixels and their weights (n, h, w).
     """
-    side = SIDE_PX // stride
+    side = side_px // stride
     heat = np.zeros((len(rows), KINDS, side, side), np.float32)
     mask = np.ones((len(rows), 1, side, side), np.float32)
     edges = np.zeros((len(rows), 4, side, side), np.float32)
@@ -234,13 +246,19 @@ def losses(
     return (hit + miss) / max(len(centres), 8), boxes
 
 
-def batch(frames: list[Frame], odds: NDArray[np.float64], size: int, rng: Rng) -> tuple[Any, ...]:
-    """Return images uint8 (n, 320, 320, 3) and the targets of both heads."""
+def batch(
+    frames: list[Frame],
+    odds: NDArray[np.float64],
+    size: int,
+    rng: Rng,
+    side_px: int = SIDE_PX,
+) -> tuple[Any, ...]:
+    """Return images uint8 (n, side, side, 3) and the targets of both heads."""
     chosen = rng.choice(len(frames), size, p=odds)
-    pairs = [sample(frames[int(k)], rng) for k in chosen]
+    pairs = [sample(frames[int(k)], rng, side_px) for k in chosen]
     images = torch.from_numpy(np.stack([image for image, _ in pairs]))
     rows = [row for _, row in pairs]
-    return images, [targets(rows, stride) for stride in STRIDES]
+    return images, [targets(rows, stride, side_px) for stride in STRIDES]
 
 
 cv2.setNumThreads(1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from queue import Queue
 from threading import Thread
@@ -19,7 +19,7 @@ Rng = np.random.Generator
 
 @dataclass(frozen=True)
 class Frame:
-    """One labelled frame; columns as in the shard."""
+    """One labelled frame; columns as in the shard. ``plain``: as the evaluation renders."""
 
     jpeg: NDArray[np.uint8]
     box: NDArray[np.float32]
@@ -27,13 +27,18 @@ class Frame:
     colour: NDArray[np.int8]
     material: NDArray[np.int8]
     ignore: NDArray[np.bool_]
+    plain: bool = False
+    decoded: list[Image] = field(default_factory=list, compare=False)
 
     def image(self) -> Image:
-        """Return the picture, RGB."""
+        """Return the picture, RGB; decoded once, not to be written into."""
+        if self.decoded:
+            return self.decoded[0]
         decoded = cv2.imdecode(self.jpeg, cv2.IMREAD_COLOR)
         if decoded is None:
             raise ValueError("a frame of a shard is no JPEG: render the shard again")
-        return np.ascontiguousarray(decoded[..., ::-1], dtype=np.uint8)
+        self.decoded.append(np.ascontiguousarray(decoded[..., ::-1], dtype=np.uint8))
+        return self.decoded[0]
 
 
 class Shards:
@@ -61,34 +66,45 @@ def _read(path: Path) -> list[Frame]:
     edges = np.searchsorted(columns["frame"], np.arange(len(starts)))
     return [
         Frame(
-            columns["jpeg"][starts[k] : starts[k + 1]].copy(),
-            *(columns[name][edges[k] : edges[k + 1]] for name in names),
+            jpeg=columns["jpeg"][starts[k] : starts[k + 1]].copy(),
+            **{name: columns[name][edges[k] : edges[k + 1]] for name in names},
+            plain=bool(columns.get("plain", False)),
         )
         for k in range(len(starts) - 1)
     ]
 
 
 def photometric(image: Image, rng: Rng, strength: float = 1.0) -> Image:
-    """Return the image under another light, camera and compression."""
-    x: NDArray[Any] = image.astype(np.float32)
+    """Return the image under another light, camera and compression.
+
+    Light, contrast, saturation and tint are one affine map of the colours.
+    """
+    matrix, offset = np.eye(3), np.zeros(3)
     if rng.random() < 0.7:
-        x = x * rng.uniform(1 - 0.35 * strength, 1 + 0.35 * strength)
-        x += rng.uniform(-20, 20) * strength
+        matrix *= rng.uniform(1 - 0.35 * strength, 1 + 0.35 * strength)
+        offset += rng.uniform(-20, 20) * strength
     if rng.random() < 0.5:
-        mean = x.mean()
-        x = (x - mean) * rng.uniform(1 - 0.3 * strength, 1 + 0.35 * strength) + mean
+        mean = float((matrix @ np.asarray(cv2.mean(image)[:3]) + offset).mean())
+        contrast = rng.uniform(1 - 0.3 * strength, 1 + 0.35 * strength)
+        matrix *= contrast
+        offset = (offset - mean) * contrast + mean
     if rng.random() < 0.5:
-        gray = x.mean(2, keepdims=True)
-        x = gray + (x - gray) * rng.uniform(1 - 0.4 * strength, 1 + 0.4 * strength)
+        share = rng.uniform(1 - 0.4 * strength, 1 + 0.4 * strength)
+        blend = share * np.eye(3) + (1 - share) / 3
+        matrix, offset = blend @ matrix, blend @ offset
     if rng.random() < 0.4:
-        x = x * rng.uniform(1 - 0.1 * strength, 1 + 0.1 * strength, (1, 1, 3))
+        tint = np.diag(rng.uniform(1 - 0.1 * strength, 1 + 0.1 * strength, 3))
+        matrix, offset = tint @ matrix, tint @ offset
+    x: NDArray[Any] = cv2.transform(image, np.column_stack([matrix, offset]))
     if rng.random() < 0.3:
-        x = 255 * (np.clip(x, 0, 255) / 255) ** rng.uniform(0.75, 1.35)
+        gamma = rng.uniform(0.75, 1.35)
+        x = cv2.LUT(x, (255 * (np.arange(256) / 255) ** gamma).astype(np.uint8))
     if rng.random() < 0.2:
         x = cv2.GaussianBlur(x, (0, 0), float(rng.uniform(0.4, 1.0)))
     if rng.random() < 0.3:
-        x = x + rng.normal(0, rng.uniform(2, 8), x.shape)
-    done: Image = np.clip(x, 0, 255).astype(np.uint8)
+        noise = rng.standard_normal(x.shape, np.float32) * np.float32(rng.uniform(2, 8))
+        x = np.clip(x + noise, 0, 255).astype(np.uint8)
+    done: Image = np.ascontiguousarray(x, dtype=np.uint8)
     return done
 
 
