@@ -16,7 +16,7 @@ from pathlib import Path
 import msgspec
 
 from doro_dialogue.facts import Candidate
-from doro_evaluation.context import Context, Recorded, code_digest, make_pool, recordings_of
+from doro_evaluation.context import Context, Recorded, code_digest, make_pool, recordings_of, spread
 from doro_evaluation.judge import Truth
 from doro_evaluation.maps import MappedRoom
 from doro_evaluation.outcomes import reported_in, reported_views
@@ -156,11 +156,13 @@ def main() -> None:
     parser.add_argument("--set", type=Path, required=True, dest="folder")
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--seed", type=int, default=7)
+    parser.add_argument("--rooms", type=int, default=40, help="recordings, evenly spread")
     arguments = parser.parse_args()
     cache = arguments.out / "cache"
-    recordings = {one.name: one for one in recordings_of(arguments.folder, "paper")}
+    every = recordings_of(arguments.folder, "paper")
+    recordings = {one.name: one for one in spread(every, arguments.rooms)}
     context = Context(
-        pool=str(make_pool(recordings_of(arguments.folder, "paper"), "test", cache)),
+        pool=str(make_pool(every, "test", cache)),
         cache=str(cache),
         code=code_digest(),
     )

@@ -135,15 +135,17 @@ def _tagging(figures: Figures) -> Grid:
 def _counting(figures: Figures) -> Grid:
     rows = []
     for errors, title in ERRORS.items():
+        if f"counting/ours/{errors}/average/f1" not in figures:
+            continue
         for system in SYSTEMS:
             start = f"counting/{system}/{errors}"
             if f"{start}/average/f1" in figures:
                 cells = [_counted(figures, start, k) for k in COUNTS]
                 rows.append([f"{title}: {system}", *cells, value(figures, f"{start}/average/f1")])
-        if errors in PAPER_F1 and rows:
+        if errors in PAPER_F1:
             cells = ["" if one is None else f"{one:.2f}" for one in PAPER_F1[errors]]
             rows.append([f"{title}: paper: DoRO", *cells, f"{PAPER_AVERAGE[errors]:.2f}"])
-        if errors in WANTED_F1 and rows:
+        if errors in WANTED_F1:
             rows.append(["wanted", *(f"{one:.2f}" for one in WANTED_F1[errors]), ""])
     heads = ("detector and system", *(str(k) for k in COUNTS), "average")
     note = (
