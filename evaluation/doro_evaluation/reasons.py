@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from doro_evaluation.bootstrap import share, tallied
-from doro_evaluation.counting import RADII_M, items, pair_up
+from doro_evaluation.counting import COUNTS, RADII_M, items, pair_up
 from doro_evaluation.figures import Figure
 from doro_evaluation.outcomes import Outcome, Thing
 
@@ -66,10 +66,23 @@ def figures_of(runs: Mapping[tuple[str, str], Sequence[Outcome]]) -> dict[str, F
         wrong = [item for one in outcomes for item in items(one) if item.true != item.found]
         figures[f"causes/{system}/{errors}/wrong_items"] = len(wrong)
         for cause, count in causes(outcomes).items():
-            key = cause.replace(",", "").replace(" ", "_")
-            figures[f"causes/{system}/{errors}/{key}"] = count
+            figures[f"causes/{system}/{errors}/{_key(cause)}"] = count
+        for k in COUNTS:
+            behind = Counter(
+                cause
+                for one in outcomes
+                for item in items(one)
+                if item.true == k != item.found
+                for cause in reasons_of(one, item.object_type)
+            )
+            for cause, count in sorted(behind.items()):
+                figures[f"causes/{system}/{errors}/of_{k}/{_key(cause)}"] = count
         figures |= _seen(f"seen/{system}/{errors}", outcomes)
     return figures
+
+
+def _key(cause: str) -> str:
+    return cause.replace(",", "").replace(" ", "_")
 
 
 def _seen(name: str, outcomes: Sequence[Outcome]) -> dict[str, Figure]:

@@ -78,11 +78,30 @@ def write_report(report: Report, out: Path, publish: Path | None) -> Iterator[Pa
         path = folder / name
         path.write_text(markdown_page(tables, pictures, _words(report)), encoding="utf-8")
         yield path
+    for folder in (out, *([publish] if publish is not None else [])):
+        (folder / "wrong.jsonl").write_bytes(b"".join(_wrong(report)))
+        yield folder / "wrong.jsonl"
     if publish is not None:
         figures = {"figures": dict(report.figures), "command": report.command}
         text = json.dumps({**figures, "version": version("doro-evaluation")}, indent=1)
         (publish / "figures.json").write_text(text + "\n", encoding="utf-8")
         yield publish / "figures.json"
+
+
+def _wrong(report: Report) -> Iterator[bytes]:
+    """Yield a JSON line for each item that we count wrongly, and each wrong pair on all views."""
+    for (system, errors), outcomes in report.counted.items():
+        for failure in counting_failures(outcomes) if system == "ours" else ():
+            told = {"errors": errors, "case": failure.title, "why": failure.lines}
+            yield msgspec.json.encode(told) + b"\n"
+    ours = [one for one in report.asked if one.system == "ours" and one.view == "multi-view"]
+    for one in sorted(ours, key=lambda one: one.pair.id):
+        verdict = one.verdict
+        if not verdict.right:
+            why = (f"said: {verdict.text}", f"{verdict.fault}: {verdict.why}")
+            case = f"{one.pair.id}: {one.pair.instruction}"
+            told = {"errors": QUERY_ERRORS, "case": case, "why": why}
+            yield msgspec.json.encode(told) + b"\n"
 
 
 def _failures(report: Report) -> dict[str, list]:  # type: ignore[type-arg]

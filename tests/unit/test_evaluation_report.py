@@ -61,6 +61,10 @@ def test_tables_have_ours_the_papers_and_what_was_wanted() -> None:
     assert told["ours"] == "0.940"
     assert told["baseline, one view"] == "not installed: make it"
     assert told["paper: DoRO"] == "0.77"
+    assert "Wanted and not reached" not in tables
+    worse = {**FIGURES, "counting/ours/gt/3/f1": 0.9, "causes/ours/gt/of_3/lost": 2}
+    (row,) = next(grids(worse)).rows
+    assert row == ["counting, exact boxes (GT), 3 true", "0.900", "0.95", "lost 2"]
     causes = tables["Why items are counted wrongly (ours)"]
     assert ["one thing counted twice", "3"] in [list(row) for row in causes.rows]
 
@@ -138,7 +142,7 @@ def test_a_report_is_one_page_and_markdown(tmp_path: Path) -> None:
     )  # fmt: skip
     paths = [path for path in write_report(report, tmp_path / "out", tmp_path / "pub") if path]
     assert [path.name for path in paths] == [
-        "report.html", "report.md", "README.md", "figures.json",
+        "report.html", "report.md", "README.md", "wrong.jsonl", "wrong.jsonl", "figures.json",
     ]  # fmt: skip
     page = paths[0].read_text()
     assert "1 wrong items" in page
@@ -147,7 +151,9 @@ def test_a_report_is_one_page_and_markdown(tmp_path: Path) -> None:
     assert page.count("data:image/png;base64,") == 3 + 1
     assert "](f1_by_count.png)" in paths[2].read_text()
     assert (tmp_path / "pub" / "f1_by_count.png").exists()
-    assert read_figures(paths[3]) == json.loads(paths[3].read_text())["figures"] == FIGURES
+    wrong = [json.loads(line) for line in paths[3].read_text().splitlines()]
+    assert [one["case"].split(":")[0] for one in wrong] == ["default-FloorPlan1, Cup", "p/1"]
+    assert read_figures(paths[5]) == json.loads(paths[5].read_text())["figures"] == FIGURES
     again = [path for path in write_report(report, tmp_path / "two", None) if path]
     assert again[0].read_bytes() == paths[0].read_bytes()
 
