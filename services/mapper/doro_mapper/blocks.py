@@ -12,13 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from doro_mapper.digest import key_hashes
-from doro_mapper.views import SIGHT_M, Floats, Views
+from doro_mapper.views import Floats, Views
 
 BLOCK_CELLS = 5
 BLOCK_BANDS = 2
 SLACK_M = 0.20
 """A block's middle behind the seen surface by less than this counts as seen: half its diagonal."""
+MOST_BACK = 256
+"""Views looked back at for a new block."""
 INITIAL_ROOM = 256
+PLACE_BITS = 20
+"""A block's place as one integer, in the order of places within 2^19 blocks of the origin."""
 
 Ints = NDArray[np.int64]
 
@@ -38,6 +42,7 @@ class Blocks:
         self.place = np.zeros((INITIAL_ROOM, 3), np.int32)
         self.count = np.zeros(INITIAL_ROOM, np.int32)
         self._center_m = np.zeros((INITIAL_ROOM, 3))
+        self._key = np.zeros(INITIAL_ROOM, np.int64)
         self._fresh = 0
 
     def __len__(self) -> int:
@@ -48,12 +53,14 @@ class Blocks:
         key = place[0], place[1], place[2]
         number = self._number.setdefault(key, len(self._number))
         if number >= len(self.count):
-            for name in ("place", "count", "_center_m"):
+            for name in ("place", "count", "_center_m", "_key"):
                 old = getattr(self, name)
                 setattr(self, name, np.concatenate([old, np.zeros_like(old)]))
         if number == len(self._number) - 1:
             self.place[number] = place
             self._center_m[number] = (self.place[number] + 0.5) * self._edges_m
+            a, b, up = place
+            self._key[number] = (a << 2 * PLACE_BITS) + (b << PLACE_BITS) + up
         return number
 
     def observe(self, hit: Ints, views: Views, serial: int) -> Ints:
@@ -66,24 +73,23 @@ class Blocks:
         self._fresh = n
         if len(new):
             self._look_back(new, views, slot)
-        away = self._center_m[:n, :2] - views.position_m(serial)[:2]
-        near = np.flatnonzero((away * away).sum(axis=1) < SIGHT_M**2)
-        visible, _, _ = views.look_at(self._center_m[near, None], slot, np.full(len(near), SLACK_M))
-        mask = np.zeros(n, dtype=bool)
-        mask[near[visible[:, 0]]] = mask[hit] = True
-        self.count[:n] += mask
-        return np.flatnonzero(mask)
+        visible = views.sees(self._center_m[:n], slot, SLACK_M)
+        visible[hit] = True
+        self.count[:n] += visible
+        return np.flatnonzero(visible)
 
     def _look_back(self, new: Ints, views: Views, slot: int) -> None:
-        """Count for new blocks the earlier views kept."""
+        """Count for new blocks the earlier views kept; of many every so many, which stands for
+        those that follow it."""
         centers = self._center_m[new]
         middle = (centers.min(0) + centers.max(0)) / 2
         radius = float(np.linalg.norm(centers - middle, axis=1).max())
         slots = views.near(middle, radius)
         slots = slots[slots != slot]
         if len(slots):
-            seen, _ = views.visible(centers, slots, SLACK_M)
-            self.count[new] = seen.sum(axis=0)
+            step = -(-len(slots) // MOST_BACK)
+            seen, _ = views.visible(centers, slots[::step], SLACK_M)
+            self.count[new] = seen.sum(axis=0) * step
 
     def count_again(self, views: Views) -> None:
         """Count all blocks in all views kept."""
@@ -99,12 +105,13 @@ class Blocks:
         """Return int32 (n, 4) of blocks, or of all: place and count, sorted by place."""
         if numbers is None:
             numbers = np.arange(len(self))
-        rows = np.column_stack([self.place[numbers], self.count[numbers]])
-        order = np.lexsort((rows[:, 2], rows[:, 1], rows[:, 0]))
-        return np.asarray(rows[order], dtype=np.int32)
+        numbers = numbers[np.argsort(self._key[numbers])]
+        out = np.empty((len(numbers), 4), np.int32)
+        out[:, :3], out[:, 3] = self.place[numbers], self.count[numbers]
+        return out
 
     def digest(self) -> NDArray[np.uint64]:
         """Return two sums of hash times count over all blocks, whatever their order."""
         n = len(self)
-        keys = self.place[:n].astype(np.int64) @ np.array([1 << 42, 1 << 21, 1])
-        return np.asarray((key_hashes(keys) * self.count[:n].astype(np.uint64)).sum(axis=1))
+        count = self.count[:n].astype(np.uint64)
+        return np.asarray((key_hashes(self._key[:n]) * count).sum(axis=1))

@@ -31,19 +31,33 @@ def distance(a: Boxes, b: Boxes, range_m: Floats) -> Floats:
     with the larger half extents and m = 0.10 + 0.015 range, and ``0.5 + 1 - share`` where
     share of ``a`` lies inside ``b``, if any. Below 1 is near.
     """
+    wide = Boxes(a.center_m[:, None], a.low_m[:, None], a.high_m[:, None])
+    return pair_distance(wide, b, range_m[:, None])
+
+
+def pair_distance(a: Boxes, b: Boxes, range_m: Floats) -> Floats:
+    """Return the distance of :func:`distance` of box to box.
+
+    Args:
+        a, b: (..., 3), of shapes that go together.
+        range_m: (...) of ``a``.
+    """
     size_a, size_b = a.high_m - a.low_m, b.high_m - b.low_m
-    offset = np.abs(a.center_m[:, None] - b.center_m[None])
+    offset = np.abs(a.center_m - b.center_m)
     horizontal = np.hypot(offset[..., 0], offset[..., 1])
-    half_h = 0.5 * np.maximum(size_a[:, :2].max(1)[:, None], size_b[:, :2].max(1)[None])
-    half_v = 0.5 * np.maximum(size_a[:, 2][:, None], size_b[:, 2][None])
-    margin = (MARGIN_M + MARGIN_PER_M * range_m)[:, None]
+    wide_a = np.maximum(size_a[..., 0], size_a[..., 1])
+    wide_b = np.maximum(size_b[..., 0], size_b[..., 1])
+    half_h = 0.5 * np.maximum(wide_a, wide_b)
+    half_v = 0.5 * np.maximum(size_a[..., 2], size_b[..., 2])
+    margin = MARGIN_M + MARGIN_PER_M * range_m
     centered = np.hypot(
         horizontal / (REACH * half_h + margin), offset[..., 2] / (REACH * half_v + margin)
     )
-    slack = np.minimum(margin[..., None], CONTAINED_SLACK_M)
-    low_a, high_a = a.low_m[:, None] - 0.01, a.high_m[:, None] + 0.01
-    overlap = np.minimum(high_a, b.high_m[None] + slack) - np.maximum(low_a, b.low_m[None] - slack)
-    share = np.prod(np.clip(overlap, 0, None) / (high_a - low_a), axis=-1)
+    slack = np.minimum(margin, CONTAINED_SLACK_M)[..., None]
+    low_a, high_a = a.low_m - 0.01, a.high_m + 0.01
+    overlap = np.minimum(high_a, b.high_m + slack) - np.maximum(low_a, b.low_m - slack)
+    inside = np.maximum(overlap, 0) / (high_a - low_a)
+    share = inside[..., 0] * inside[..., 1] * inside[..., 2]
     out: Floats = np.minimum(centered, np.where(share > 0, CONTAINED + 1 - share, np.inf))
     return out
 

@@ -81,6 +81,7 @@ class Found:
         covariance_m2: (3, 3) of the centre.
         version: changes whenever anything else here does; a key for caches.
         first: serial of the first view, where ``instance_id`` is empty.
+        small: may be hidden without anybody noticing less than larger things may.
         tentative: too little speaks for it to count.
         parts: messages made of it, kept by who made them.
         gone: its place was looked at again and it was not there.
@@ -98,6 +99,7 @@ class Found:
     instance_id: str = ""
     version: tuple[int, ...] = ()
     first: int = 0
+    small: bool = False
     tentative: bool = False
     gone: bool = False
     replaced: tuple[str, ...] = ()

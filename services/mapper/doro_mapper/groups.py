@@ -27,6 +27,7 @@ LABEL_REACH = 0.35
 MOVED_M = 0.02
 MOVED_SHARE = 0.05
 MAX_LOST = 256
+COUNTED = ("hits", "misses", "version", "run", "empty_run")
 MAX_FORMER = 8
 SMALL_M = 0.5
 """Larger things hide behind each other too much for misses alone to say that one has gone."""
@@ -245,14 +246,15 @@ class Groups:
 
     def _number(self) -> None:
         """Give ids to things that now count as instances, in order of their first track."""
-        hits, least = self._table.hits, self._settings.min_hits
+        table, least = self._table, self._settings.min_hits
+        able = (table.hits[: table.n] >= least).tolist()
         long = self._views.total >= self._settings.few_views
         for main in sorted(self._groups):
             group = self._groups[main]
             rows = group.item.rows
-            if main in self._ids or any(row in self._ids for row in rows):
+            if long and len(rows) == 1 and group.read is None and not able[main]:
                 continue
-            if long and len(rows) == 1 and group.read is None and hits[main] < least:
+            if any(row in self._ids for row in rows):
                 continue
             if enough(*self._counted(group), self._views.total, self._settings):
                 name = self._votes[main].look()[0].replace(" ", "-")
@@ -265,22 +267,28 @@ class Groups:
 
     def found(self) -> list[Found]:
         """Return all instances, tentative and gone ones included, in order of their tracks."""
-        return [self._found(self._groups[main]) for main in sorted(self._groups)]
+        t = self._table
+        columns = {name: getattr(t, name)[: t.n].tolist() for name in COUNTED}
+        return [self._found(self._groups[main], columns) for main in sorted(self._groups)]
 
-    def _found(self, group: Group) -> Found:
-        table, rows = self._table, group.item.rows
-        hits, misses = self._counted(group)
-        version = (hits, misses, int(table.hits[rows].sum()), int(table.version[rows].sum()), *rows)
+    def _found(self, group: Group, columns: dict[str, list[int]]) -> Found:
+        """Return one instance; ``columns`` of the table."""
+        hit, missed, version, runs, empties = (columns[name] for name in COUNTED)
+        rows = group.item.rows
+        if len(rows) == 1 and group.read is None:
+            hits, misses = hit[rows[0]], missed[rows[0]]
+        else:
+            hits, misses = self._counted(group)
+        total, changes = sum(hit[row] for row in rows), sum(version[row] for row in rows)
         known = self._cache.get(group.main)
-        if known is None or known.version != version:
-            known = self._built(group, hits, misses, version)
+        if known is None or known.version != (hits, misses, total, changes, *rows):
+            known = self._built(group, hits, misses, (hits, misses, total, changes, *rows))
             self._cache[group.main] = known
         known.tentative = not known.instance_id or not enough(
             hits, misses, self._views.total, self._settings
         )
-        run, empty = int(table.run[rows].min()), int(table.empty_run[rows].min())
-        small = float(np.linalg.norm(known.high_m - known.low_m)) < SMALL_M
-        known.gone = has_gone(hits, misses, run if small else 0, run, empty)
+        run, empty = min(runs[row] for row in rows), min(empties[row] for row in rows)
+        known.gone = has_gone(hits, misses, run if known.small else 0, run, empty)
         return known
 
     def _built(self, group: Group, hits: int, misses: int, version: tuple[int, ...]) -> Found:
@@ -301,6 +309,7 @@ class Groups:
             votes=votes,
             points_m=np.concatenate([table.probe_m[row] for row in rows[: item.shaping]]),
             covariance_m2=item.spread_m2,
+            small=float(np.linalg.norm(item.outer_high_m - item.outer_low_m)) < SMALL_M,
             instance_id=names[0] if names else "",
             version=version,
             replaced=(*names[1:], *absorbed, *self._former.get(rows[0], [])),

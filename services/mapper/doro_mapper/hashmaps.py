@@ -18,7 +18,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from doro_mapper.blocks import Blocks
-from doro_mapper.cells import CELLS, Cells, Ints, order_of, packed, runs
+from doro_mapper.cells import (
+    CELLS,
+    Cells,
+    Ints,
+    frequency_of,
+    order_of,
+    packed,
+    runs,
+    sizes,
+    weight_of,
+)
 from doro_mapper.shots import Shot
 from doro_mapper.views import Floats, Views
 from doro_schemas.graph import ObjectGraph, identity, without_relations
@@ -35,11 +45,10 @@ class _Hits:
     """What one frame adds to the map, sorted by cell, each cell once.
 
     Attributes:
-        graph_ids: (n,); places: (3, n) ground cell a, b, band.
+        places: (4, n) graph, ground cell a, b, band.
         weight, often: (n,) sum of the detections' weights, and how many detections.
     """
 
-    graph_ids: Ints
     places: Ints
     weight: Floats
     often: Ints
@@ -108,11 +117,11 @@ class HashMaps:
             self._add(one.graph_ids, one.placed(views.camera(serial)), sums=True)
         self.blocks.count_again(views)
         cells, weight = self.published()
-        now = packed(*cells[:, :4].astype(np.int64).T)
-        gone = before[~np.isin(packed(*before.astype(np.int64).T), now)]
-        empty = np.zeros((len(gone), 6), np.int32)
-        empty[:, :4] = gone
-        return np.concatenate([cells, empty]), np.append(weight, np.zeros(len(gone), np.float32))
+        now = packed(cells[:, :4].T.astype(np.int64))
+        gone = before[:, ~np.isin(packed(before), now)]
+        empty = np.zeros((gone.shape[1], 6), np.int32)
+        empty[:, :4] = gone.T
+        return np.concatenate([cells, empty]), np.append(weight, np.zeros(len(empty), np.float32))
 
     def _add(
         self, graph_ids: Sequence[int], samples: Samples, *, sums: bool
@@ -126,12 +135,18 @@ class HashMaps:
         if not len(samples[0]):
             return np.zeros((4, 0), np.int64), np.zeros(0, np.int64)
         hits = self._hits(graph_ids, samples, sums=sums)
-        numbers = self.cells.numbers(hits.graph_ids, hits.places)
+        places, weight, often = hits.places, hits.weight, hits.often
+        numbers = self.cells.numbers(places)
         kept = self.cells.fits(numbers)
-        self.cells_dropped += int(hits.often[~kept].sum())
-        places = np.concatenate([hits.graph_ids[None], hits.places])[:, kept]
-        numbers = numbers[kept]
-        self.cells.add(packed(*places), numbers, hits.weight[kept], hits.often[kept])
+        if not kept.all():
+            self.cells_dropped += int(often[~kept].sum())
+            places, numbers, weight, often = (
+                places[:, kept],
+                numbers[kept],
+                weight[kept],
+                often[kept],
+            )
+        self.cells.add(packed(places), numbers, weight, often)
         return places, numbers
 
     def _hits(self, graph_ids: Sequence[int], samples: Samples, *, sums: bool) -> _Hits:
@@ -140,40 +155,44 @@ class HashMaps:
         One integer per graph, cell and detection, relative to the frame's corner, is sorted.
         """
         points_m, weights, owner = samples
-        ids = np.asarray(graph_ids, dtype=np.int64)
-        graphs, rank = np.unique(ids, return_inverse=True)
+        n, graphs = len(graph_ids), sorted(set(graph_ids))
+        rank = np.array([graphs.index(number) for number in graph_ids])
         places: Ints = np.floor(points_m.T / self._edges_m[:, None]).astype(np.int64)
         corner = places.min(axis=1)
         _, wide, tall = (places.max(axis=1) - corner + 1).tolist()
         reach = int(places[0].max() - corner[0] + 1)
-        offset = (rank * (reach * wide * tall * len(ids)) + np.arange(len(ids)))[owner]
-        line = np.array([wide * tall, tall, 1]) * len(ids)
-        local = line @ (places - corner[:, None]) + offset
+        offset = rank * (reach * wide * tall * n) + np.arange(n)
+        line = np.array([wide * tall, tall, 1]) * n
+        local = line @ places + (offset - line @ corner)[owner]
         order, ordered = order_of(local)
         first = runs(ordered)
         mean = np.add.reduceat(weights[order], first)
         if not sums:
-            mean /= np.diff(first, append=len(ordered))
-        cell, of = np.divmod(ordered[first], len(ids))
-        self.last_mass = np.bincount(of, mean, minlength=len(ids)).astype(np.float64)
+            mean /= sizes(first, len(ordered))
+        cell, of = np.divmod(ordered[first], n)
+        self.last_mass = np.bincount(of, mean, minlength=n).astype(np.float64)
         one = runs(cell)
-        often = np.diff(one, append=len(cell))
+        often = sizes(one, len(cell))
         if len(one) < len(cell):  # several detections of one graph in one cell
             mean, cell = np.add.reduceat(mean, one), cell[one]
-        ground, band = np.divmod(cell, tall)
-        ground, b = np.divmod(ground, wide)
-        graph, a = np.divmod(ground, reach)
-        return _Hits(graphs[graph], np.stack([a, b, band]) + corner[:, None], mean, often)
+        places = np.empty((4, len(cell)), np.int64)
+        cell, places[3] = np.divmod(cell, tall)
+        cell, places[2] = np.divmod(cell, wide)
+        graph, places[1] = np.divmod(cell, reach)
+        places[0] = np.array(graphs)[graph]
+        places[1:] += corner[:, None]
+        return _Hits(places, mean, often)
 
     def _cut(self, places: NDArray[Any], numbers: Ints) -> Cut:
         """Return cells as published; of places sorted already."""
         own = self.cells
-        often = own.frequency[numbers]
+        value = own.value[numbers]
+        often = frequency_of(value)
         out = np.empty((len(numbers), 6), np.int32)
         out[:, :4] = places.T
         out[:, 4] = often
         out[:, 5] = np.maximum(often, self.blocks.count[own.block[numbers // CELLS]])
-        return out, own.weight[numbers]
+        return out, weight_of(value).copy()
 
     def entries(self, first: int = 0) -> list[GraphEntry]:
         """Return the graphs from id ``first`` on."""
@@ -182,14 +201,16 @@ class HashMaps:
     def published(self, graph_ids: Sequence[int] | None = None) -> Cut:
         """Return all cells, or those of some graphs (first hash map)."""
         places, numbers = self.cells.listed(None if graph_ids is None else np.array(graph_ids))
-        return self._cut(places.T, numbers)
+        return self._cut(places, numbers)
 
     def stacked(self, graph_ids: Sequence[int]) -> tuple[NDArray[np.int32], Floats]:
         """Return the places (n, 3) of several graphs and their weights summed over the graphs."""
         cells, numbers = self.cells.listed(np.array(graph_ids))
-        places, inverse = np.unique(cells[:, 1:], axis=0, return_inverse=True)
-        total = np.bincount(inverse.ravel(), self.cells.weight[numbers], minlength=len(places))
-        return places, total.astype(np.float64)
+        places, inverse = np.unique(cells[1:].T, axis=0, return_inverse=True)
+        total = np.bincount(
+            inverse.ravel(), weight_of(self.cells.value[numbers]), minlength=len(places)
+        )
+        return places.astype(np.int32), total.astype(np.float64)
 
     def digest(self) -> str:
         """Return the digest (16 bytes, hex) over graphs, cells and blocks; equal for equal maps."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from doro_mapper.boxes import covered
+from doro_mapper.explained import Explanations
 from doro_mapper.finder import NEVER, names_agree
 from doro_mapper.items import (
     CORNER_GAP_M,
@@ -36,12 +36,6 @@ MERGE_FAR_GATE = 2.0
 TOGETHER_SHARE = 0.1
 """Tracks seen together in more of the smaller one's frames are different things."""
 COMMON_VIEWS = 3
-EXPLAINED_SHARE = 0.6
-PRUNE_SHARE = 0.7
-PRUNE_COVER = 0.5
-PRUNE_RATIO = 3.0
-EXPLAIN_COVER = 0.5
-EXPLAIN_RATIO = 4.0
 MERGED_KEPT = 64
 LABEL_HITS = 2
 LABEL_VIEWS = 4
@@ -64,6 +58,7 @@ class Cluster:
         self._table = table
         self._views = views
         self._votes = votes
+        self._explained = Explanations(table, views)
         items = [item_of(row, table, votes[row]) for row in rows]
         self.items = sorted(items, key=lambda item: -item.hits)
 
@@ -97,6 +92,13 @@ class Cluster:
         """Return the closest pair that may be merged, larger first, and whether its geometry is
         shared; close what may not be."""
         first, second = np.nonzero(np.triu(open_, 1))
+        self._explained.ask(
+            [
+                self._by_hits(i, j)
+                for i, j in zip(first.tolist(), second.tolist(), strict=True)
+                if gaps[i, j] >= MERGE_GATE and together[i, j] == 0
+            ]
+        )
         for k in np.argsort(gaps[first, second], kind="stable").tolist():
             i, j = int(first[k]), int(second[k])
             if self.items[j].hits > self.items[i].hits:
@@ -107,6 +109,11 @@ class Cluster:
                 return i, j, decision
             open_[i, j] = open_[j, i] = False
         return None
+
+    def _by_hits(self, i: int, j: int) -> tuple[Item, Item]:
+        """Return two items, the larger first."""
+        a, b = self.items[i], self.items[j]
+        return (b, a) if b.hits > a.hits else (a, b)
 
     def fuse_labels(self) -> None:
         """Merge things of different classes that are one thing with a flickering label.
@@ -145,18 +152,13 @@ class Cluster:
         """Tell the same of two things that were never seen together."""
         if one_above(larger, smaller) or self._cut_off(larger, smaller):
             return True
-        return False if in_reach(larger, smaller) and self._explains(larger, smaller) else None
+        part = in_reach(larger, smaller) and self._explained.explains(larger, smaller)
+        return False if part else None
 
     def _never_both(self, larger: Item, smaller: Item, together: int) -> bool:
         """Tell whether views that should have seen two things hardly ever saw both."""
         common = int((larger.expected & smaller.expected).sum())
         return common >= COMMON_VIEWS and together <= TOGETHER_SHARE * common
-
-    def _explains(self, larger: Item, smaller: Item) -> bool:
-        """Tell whether most views of the smaller one lie where the larger one projects to."""
-        cover, ratio, shows = self._projected(smaller, [larger])
-        fits = shows & (cover >= EXPLAIN_COVER) & (ratio < EXPLAIN_RATIO)
-        return float(fits.mean()) >= EXPLAINED_SHARE
 
     def _cut_off(self, larger: Item, smaller: Item) -> bool:
         """Tell whether one is a corner of the other: next to it, seen seldom and cut off only."""
@@ -204,30 +206,6 @@ class Cluster:
         low, high = found.outer_low[0], found.outer_high[0]
         return found.center[0], found.low[0], found.high[0], low, high, found.spread_m2[0]
 
-    def _sample(self, item: Item) -> tuple[Ints, Floats]:
-        """Return (slots, boxes) of the views kept that gave an item geometry."""
-        t = self._table
-        serials = np.concatenate([t.kept_serial[row, : t.kept[row]] for row in item.rows])
-        boxes = np.concatenate([t.kept_box[row, : t.kept[row]] for row in item.rows])
-        there = serials >= self._views.oldest
-        slots = self._views.slots(serials[there].tolist())
-        return slots, boxes[there].astype(np.float64)
-
-    def _projected(self, item: Item, others: list[Item]) -> tuple[Floats, Floats, Bools]:
-        """Return (cover, ratio, shows) of an item's sampled boxes by where others project to.
-
-        Each (views, others).
-        """
-        slots, own = self._sample(item)
-        n, k = len(slots), len(others)
-        if not n:
-            return np.zeros((1, k)), np.zeros((1, k)), np.zeros((1, k), dtype=bool)
-        low = np.array([other.low_m for other in others])
-        high = np.array([other.high_m for other in others])
-        boxes, shows = self._views.project_all(low, high, slots)
-        cover, ratio = covered(own[:, None], boxes)
-        return cover, ratio, shows
-
     def prune(self) -> list[tuple[Item, list[tuple[Item, Ints]]]]:
         """Reduce to the smallest explaining set, weakest first; return what went.
 
@@ -246,34 +224,11 @@ class Cluster:
             ]
             if not others or item.hits < 2:
                 continue
-            readings = self._readings(item, others)
+            readings = self._explained.readings(item, others)
             if readings is not None:
                 self.items = [other for other in self.items if other is not item]
                 gone.append((item, readings))
         return gone
-
-    def _readings(self, item: Item, others: list[Item]) -> list[tuple[Item, Ints]] | None:
-        """Return which slots are views of which other item, where that explains the item."""
-        slots, _ = self._sample(item)
-        if not len(slots):
-            return None
-        free = ~np.array([other.seen for other in others])[:, slots].T
-        if free.any(axis=1).mean() < PRUNE_SHARE:
-            return None
-        cover, ratio, shows = self._projected(item, others)
-        fits = shows & free & (cover >= PRUNE_COVER) & (ratio < PRUNE_RATIO)
-        if fits.any(axis=1).mean() < PRUNE_SHARE:
-            return None
-        best = np.where(fits, cover, -1.0).argmax(axis=1)
-        read = fits.any(axis=1)
-        out = []
-        for number, other in enumerate(others):
-            own = slots[read & (best == number)]
-            if len(own):
-                other.seen = other.seen.copy()
-                other.seen[own] = True
-                out.append((other, own))
-        return out
 
 
 def _worth_asking(gaps: Floats, parts: Bools, together: Floats, least_hits: Ints) -> Bools:

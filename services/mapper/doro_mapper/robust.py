@@ -5,8 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from doro_mapper.views import Bools, Floats
+
+Ints = NDArray[np.int64]
 
 QUANTILE = 0.2
 FEW = 3
@@ -26,13 +29,13 @@ class Geometry:
     spread_m2: Floats
 
 
-def _quantile(ordered: Floats, count: Floats, share: float) -> Floats:
-    """Return quantiles (n, k) with linear interpolation of sorted (n, m, k), inf-padded."""
+def _quantile(ordered: Floats, count: Ints, share: float) -> Floats:
+    """Return quantiles (n, k) with linear interpolation of sorted (n, k, m), inf-padded."""
     place = share * (count - 1)
-    below = np.floor(place).astype(np.int64)
-    above = np.minimum(below + 1, count.astype(np.int64) - 1)
+    below = place.astype(np.int64)
+    above = np.minimum(below + 1, count - 1)
     row = np.arange(len(ordered))
-    first, second = ordered[row, below], ordered[row, above]
+    first, second = ordered[row, :, below], ordered[row, :, above]
     return np.asarray(first + (place - below)[:, None] * (second - first))
 
 
@@ -50,26 +53,31 @@ def robust_geometry(place: Floats, weight: Floats, border: Bools, valid: Bools) 
         border: (n, m) the view cuts the thing off.
         valid: (n, m) the first so many measurements are there.
     """
-    count = valid.sum(axis=1).astype(np.float64)
-    ordered = np.sort(np.where(valid[:, :, None], place, np.inf), axis=1)
-    middle = _quantile(ordered[:, :, :3], count, 0.5)
-    away = np.linalg.norm(place[:, :, :3] - middle[:, None], axis=2)
-    scale = _quantile(np.sort(np.where(valid, away, np.inf), axis=1)[:, :, None], count, 0.5) + 0.02
+    count = valid.sum(axis=1)
+    few = (count < FEW)[:, None]
+    own = place.transpose(0, 2, 1).copy()
+    ordered = np.where(valid[:, None], own[:, :9], np.inf)
+    ordered.sort(axis=2)
+    middle = _quantile(ordered[:, :3], count, 0.5)
+    off = own[:, :3] - middle[:, :, None]
+    away = np.sqrt(off[:, 0] ** 2 + off[:, 1] ** 2 + off[:, 2] ** 2)
+    scale = _quantile(np.sort(np.where(valid, away, np.inf))[:, None], count, 0.5) + 0.02
     robust = weight * np.exp(-0.5 * np.minimum(away / (2 * scale), 6) ** 2) + 1e-9
-    few = count < FEW
-    weight = np.where(valid, np.where(few[:, None], weight, robust), 0.0)
+    weight = np.where(valid, np.where(few, weight, robust), 0.0)
     weight = weight / weight.sum(axis=1, keepdims=True)
-    mean = np.einsum("nm,nmk->nk", weight, np.where(valid[:, :, None], place[:, :, :9], 0.0))
-    low = np.where(few[:, None], mean[:, 3:6], _quantile(ordered[:, :, 3:6], count, QUANTILE))
-    high = np.where(few[:, None], mean[:, 6:9], _quantile(ordered[:, :, 6:9], count, 1 - QUANTILE))
-    center = np.where(few[:, None], mean[:, :3], 0.5 * mean[:, :3] + 0.25 * (low + high))
+    own *= valid[:, None]
+    mean = (own[:, :9] @ weight[:, :, None])[:, :, 0]
+    low = np.where(few, mean[:, 3:6], _quantile(ordered[:, 3:6], count, QUANTILE))
+    high = np.where(few, mean[:, 6:9], _quantile(ordered[:, 6:9], count, 1 - QUANTILE))
+    center = np.where(few, mean[:, :3], 0.5 * mean[:, :3] + 0.25 * (low + high))
     whole = valid & ~border
     whole |= valid & ~whole.any(axis=1, keepdims=True)
-    shown = np.sort(np.where(whole[:, :, None], place[:, :, 9:], np.inf), axis=1)
-    outer = _quantile(shown, whole.sum(axis=1).astype(np.float64), 0.5)
-    off = np.where(valid[:, :, None], place[:, :, :3] - mean[:, None, :3], 0.0)
-    spread = np.einsum("nm,nmi,nmj->nij", weight, off, off)
+    shown = np.where(whole[:, None], own[:, 9:], np.inf)
+    shown.sort(axis=2)
+    outer = _quantile(shown, whole.sum(axis=1), 0.5)
+    off = (own[:, :3] - mean[:, :3, None]) * valid[:, None]
+    spread = (off * weight[:, None]) @ off.transpose(0, 2, 1)
     effective = 1 / np.maximum((weight**2).sum(axis=1), 1e-12)
     spread = spread / np.maximum(effective - 1, 1.0)[:, None, None] + NOISE_M**2 * np.eye(3)
-    spread[few] += np.eye(3) * 0.05**2
+    spread[few[:, 0]] += np.eye(3) * 0.05**2
     return Geometry(center, low, high, outer[:, :3], outer[:, 3:], spread)

@@ -78,7 +78,7 @@ class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
     fuse_names: bool = True
     max_depth_m: float = 20.0
     max_pending_frames: int = 64
-    max_views: int = 1600
+    max_views: int = 1024
     max_tracks: int = 500
     max_cells: int = 500_000
     coverage_cell_m: float = 0.25

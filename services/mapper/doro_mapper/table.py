@@ -17,7 +17,7 @@ from doro_mapper.boxes import Boxes
 from doro_mapper.projection import KEPT_POINTS, Measured
 from doro_mapper.robust import robust_geometry
 from doro_mapper.sight import EXPECT_SHARE, large_enough, should_see
-from doro_mapper.views import SIGHT_M, Bools, Camera, Floats, Views, moved_points
+from doro_mapper.views import NEAREST_M, SIGHT_M, Bools, Camera, Floats, Views, moved_points
 
 KEPT = 40
 WITH_POINTS = 8
@@ -25,7 +25,7 @@ FIRST_ROOM = 32
 EMPTY_SHARE = 0.6
 MOVED_M = 0.03
 GROWN = 0.15
-FIBONACCI = (2, 3, 5, 8, 13, 21, 34, 55, 89, 144, 233)
+FIBONACCI = frozenset((2, 3, 5, 8, 13, 21, 34, 55, 89, 144, 233))
 """Numbers of hits at which the frames where a track was to be expected are looked at again."""
 
 Ints = NDArray[np.int64]
@@ -243,50 +243,56 @@ class TrackTable:
         if not self._observes:
             return
         slot = int(self._views.slots([serial])[0])
-        near = self._near(self._views.position_m(serial))
-        expected, empty = self._expect(near, slot)
-        rows = near[expected]
+        rows, through = self._expect(self._near(slot), slot)
         self.expected[rows, slot] = True
-        missed = rows[~self.seen[rows, slot]]
+        unseen = ~self.seen[rows, slot]
+        missed = rows[unseen]
         self.misses[missed] += 1
         self.run[missed] += 1
-        through = near[expected & empty]
-        self.empty_run[through[~self.seen[through, slot]]] += 1
+        self.empty_run[rows[unseen & through]] += 1
 
-    def _near(self, position_m: Floats) -> Ints:
+    def _near(self, slot: int) -> Ints:
+        """Return the rows within sight of a view of whose points enough lie before it."""
         rows = self.rows
+        rotation, position_m = self._views.pose(slot)
         away = self.center_m[rows, :2] - position_m[:2]
-        return rows[np.hypot(away[:, 0], away[:, 1]) < SIGHT_M]
+        rows = rows[np.hypot(away[:, 0], away[:, 1]) < SIGHT_M]
+        ahead = (self.probe_m[rows] - position_m) @ rotation[2] > NEAREST_M
+        enough = np.count_nonzero(ahead, axis=1) >= EXPECT_SHARE * KEPT_POINTS
+        return np.asarray(rows[enough])
 
-    def _expect(self, rows: Ints, slot: int) -> tuple[Bools, Bools]:
-        """Return for one view whether it should see each row, and whether it sees through."""
-        size = self.size_m(rows)
-        slack = np.maximum(0.06, 0.35 * size)
+    def _expect(self, rows: Ints, slot: int) -> tuple[Ints, Bools]:
+        """Return which of rows a view should see, and whether it sees through their places."""
+        slack = np.maximum(0.06, 0.35 * self.size_m(rows))
         visible, empty, depth = self._views.look_at(self.probe_m[rows], slot, slack)
-        share = visible.mean(axis=1)
-        middle = np.sort(depth, axis=1)[:, KEPT_POINTS // 2]
+        share = np.count_nonzero(visible, axis=1) / KEPT_POINTS
+        shown = np.flatnonzero(share >= EXPECT_SHARE)
+        rows, share = rows[shown], share[shown]
+        middle = np.sort(depth[shown], axis=1)[:, KEPT_POINTS // 2]
         per_m2, image = self._views.image_px(np.array([slot]))
         enough = large_enough(self.area_m2[rows], share, middle, per_m2 / image)
-        return (share >= EXPECT_SHARE) & enough, empty.mean(axis=1) >= EMPTY_SHARE
+        through = np.count_nonzero(empty[shown], axis=1) >= EMPTY_SHARE * KEPT_POINTS
+        return rows[enough], through[enough]
 
     def size_m(self, rows: Ints) -> Floats:
         """Return the diagonals of the rows' boxes."""
-        size: Floats = np.linalg.norm(
-            np.maximum(self.high_m[rows] - self.low_m[rows], 0.02), axis=1
-        )
+        side = np.maximum(self.high_m[rows] - self.low_m[rows], 0.02)
+        size: Floats = np.sqrt((side * side).sum(axis=1))
         return size
 
     def stale(self, rows: Ints) -> Ints:
         """Return the rows whose history must be looked at again: they moved or grew since."""
-        if not len(rows):
-            return rows
+        hits = self.hits[rows].tolist()
+        new = np.array([count == 1 for count in hits], dtype=bool)
+        asked = np.array([count in FIBONACCI for count in hits], dtype=bool)
+        if not (new | asked).any():
+            return rows[:0]
         size = self.size_m(rows)
         moved = np.linalg.norm(self.center_m[rows] - self.checked_center_m[rows], axis=1)
         off = (moved > MOVED_M + 0.1 * size) | (
             np.abs(size - self.checked_size_m[rows]) > GROWN * size
         )
-        off &= np.isin(self.hits[rows], FIBONACCI)
-        return np.asarray(rows[off | (self.hits[rows] == 1)])
+        return np.asarray(rows[(off & asked) | new])
 
     def look_back(self, row: int) -> None:
         """Look at all views kept again: which of them should have seen this track."""

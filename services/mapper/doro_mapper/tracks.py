@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from doro_mapper.assignment import assign
-from doro_mapper.boxes import Boxes, covered, distance
+from doro_mapper.boxes import Boxes, covered, pair_distance
 from doro_mapper.finder import (
     Found,
     FrameSightings,
@@ -47,6 +47,7 @@ class TrackFinder:
         self._first_only = "voting" in settings.without
         self._votes: dict[int, Votes] = {}
         self._family: dict[int, str] = {}
+        self._kin: dict[str, dict[int, None]] = {}
         self._groups = Groups(settings, views, self._table, self._votes)
 
     def add(self, frame: FrameSightings) -> None:
@@ -92,25 +93,28 @@ class TrackFinder:
                 owner[index] = row = self._table.new_row()
                 self._votes[row] = Votes()
                 self._family[row] = family(sighting.graph.name)
+                self._kin.setdefault(self._family[row], {})[row] = None
         return owner, measured
 
     def _nearest(self, frame: FrameSightings) -> dict[int, int]:
         """Return the tracks nearest to the sightings, one to one, family by family."""
-        rows = self._table.rows
+        own = [family(sighting.graph.name) for sighting in frame.sightings]
+        kin = {name: sorted(self._kin.get(name, ())) for name in dict.fromkeys(own)}
+        rows = np.array([row for name in own for row in kin[name]], dtype=np.int64)
         if not len(rows):
             return {}
+        which = np.repeat(np.arange(len(own)), [len(kin[name]) for name in own])
         m = frame.measured
-        costs = distance(Boxes(m.center_m, m.low_m, m.high_m), self._table.boxes(rows), m.range_m)
-        close = np.argwhere(costs < GATE)
+        measured = Boxes(m.center_m[which], m.low_m[which], m.high_m[which])
+        costs = pair_distance(measured, self._table.boxes(rows), m.range_m[which])
         blocks: dict[str, list[tuple[int, int, float]]] = {}
-        for index, column in close.tolist():
-            row, sighting = int(rows[column]), frame.sightings[index]
-            if self._family[row] != family(sighting.graph.name):
-                continue
-            look = sighting.graph.name, sighting.graph.attributes
-            cost = float(costs[index, column]) * graph_factor(look, self._votes[row].look())
+        for k in np.flatnonzero(costs < GATE).tolist():
+            index, row = int(which[k]), int(rows[k])
+            graph = frame.sightings[index].graph
+            look = graph.name, graph.attributes
+            cost = float(costs[k]) * graph_factor(look, self._votes[row].look())
             if cost < GATE:
-                blocks.setdefault(self._family[row], []).append((index, row, cost))
+                blocks.setdefault(own[index], []).append((index, row, cost))
         out: dict[int, int] = {}
         for block in blocks.values():
             out.update(_solve(block))
@@ -125,18 +129,17 @@ class TrackFinder:
         table = self._table
         if not left or not table.n:
             return {}
-        families = {family(frame.sightings[i].graph.name) for i in left}
         taken = set(matched.values())
-        rows = table.rows[table.hits[table.rows] >= REPROJECTED_HITS]
-        near = np.linalg.norm(table.center_m[rows] - self._views.position_m(frame.serial), axis=1)
-        rows = rows[near <= SIGHT_M]
-        rows = np.array(
-            [r for r in rows.tolist() if r not in taken and self._family[r] in families], dtype=int
-        )
+        names = dict.fromkeys(family(frame.sightings[i].graph.name) for i in left)
+        kin = sorted(row for name in names for row in self._kin.get(name, ()) if row not in taken)
+        rows = np.array(kin, dtype=np.int64)
+        rows = rows[table.hits[rows] >= REPROJECTED_HITS]
+        away = table.center_m[rows] - self._views.position_m(frame.serial)
+        rows = rows[np.sqrt((away * away).sum(axis=1)) <= SIGHT_M]
         if not len(rows):
             return {}
-        slot = int(self._views.slots([frame.serial])[0])
-        boxes, shows = self._views.project_boxes(table.low_m[rows], table.high_m[rows], slot)
+        slots = self._views.slots([frame.serial] * len(rows))
+        boxes, shows = self._views.project_boxes(table.low_m[rows], table.high_m[rows], slots)
         own = frame.measured.box_px[left]
         share, ratio = covered(own[:, None], boxes[None])
         fits = shows & (share >= REPROJECTED_SHARE) & (ratio < REPROJECTED_RATIO)
@@ -183,7 +186,10 @@ class TrackFinder:
 
     def _forget(self, row: int) -> None:
         self._table.drop(row)
-        del self._votes[row], self._family[row]
+        name = self._family.pop(row)
+        del self._votes[row], self._kin[name][row]
+        if not self._kin[name]:
+            del self._kin[name]
 
     def find(self) -> list[Found]:
         """Return all instances; reads what the frames have left."""

@@ -6,6 +6,7 @@ is the same for AI2-THOR's world and ROS's (:func:`doro_schemas.camera.bev_axes`
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,7 +25,6 @@ SIGHT_M = 8.0
 NEAREST_M = 0.1
 FARTHEST_MM = 65_535
 LEAST_SIDE_SHARE = 0.007
-CORNERS = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)], dtype=bool)
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +109,7 @@ class Views:
         """Serial of the oldest view kept."""
         return max(0, self.total - self._capacity)
 
-    def slots(self, serials: list[int]) -> NDArray[np.int64]:
+    def slots(self, serials: Sequence[int] | NDArray[np.int64]) -> NDArray[np.int64]:
         """Return the slots of serials."""
         return np.asarray(serials, dtype=np.int64) % self._capacity
 
@@ -151,6 +151,10 @@ class Views:
             self._rotation[slot].copy(), self._position[slot].copy(), lens, (width, height)
         )
 
+    def pose(self, slot: int) -> tuple[Floats, Floats]:
+        """Return the rotation and the position of the view in a slot."""
+        return self._rotation[slot], self._position[slot]
+
     def near(self, point_m: Floats, radius_m: float) -> NDArray[np.int64]:
         """Return slots of views within sight whose image a ball may touch."""
         n = self.count
@@ -170,16 +174,14 @@ class Views:
         self, points_m: NDArray[Any], slots: NDArray[np.int64]
     ) -> tuple[Floats, Floats, Floats]:
         """Return (u_px, v_px, depth_m), each (views, points), of points (points, 3)."""
-        offset = points_m[None] - self._position[slots][:, None]
-        local = offset @ self._rotation[slots].transpose(0, 2, 1)
-        z = local[..., 2]
+        offset = points_m.T[None] - self._position[slots][:, :, None]
+        local = self._rotation[slots] @ offset
+        z = local[:, 2]
         safe = np.maximum(z, NEAREST_M / 2)
         lens = self._lens[slots][:, :, None]
-        return (
-            local[..., 0] / safe * lens[:, 0] + lens[:, 2],
-            local[..., 1] / safe * lens[:, 1] + lens[:, 3],
-            z,
-        )
+        u = local[:, 0] / safe * lens[:, 0] + lens[:, 2]
+        v = local[:, 1] / safe * lens[:, 1] + lens[:, 3]
+        return u, v, z
 
     def visible(
         self, points_m: NDArray[Any], slots: NDArray[np.int64], slack_m: float
@@ -197,12 +199,16 @@ class Views:
             bool (views, points), depth (views, points).
         """
         u, v, z = self.project(points_m, slots)
-        size = self._size[slots][:, :, None]
-        inside = (z > NEAREST_M) & (u >= 0) & (u < size[:, 0]) & (v >= 0) & (v < size[:, 1])
-        column = np.clip(u / size[:, 0] * THUMB_PX, 0, THUMB_PX - 1).astype(np.int64)
-        row = np.clip(v / size[:, 1] * THUMB_PX, 0, THUMB_PX - 1).astype(np.int64)
-        seen_mm = self._thumb_mm[slots[:, None], row, column]
-        return inside & (seen_mm > 0) & (seen_mm > 1000 * (z - slack_m)), z
+        width, height = self._size[slots].T[:, :, None]
+        inside = (z > NEAREST_M) & (u >= 0) & (u < width) & (v >= 0) & (v < height)
+        view, _ = np.nonzero(inside)
+        per_px = THUMB_PX / self._size[slots]
+        column = np.minimum(u[inside] * per_px[view, 0], THUMB_PX - 1).astype(np.int64)
+        row = np.minimum(v[inside] * per_px[view, 1], THUMB_PX - 1).astype(np.int64)
+        seen_mm = self._thumb_mm[slots[view], row, column]
+        out = np.zeros(z.shape, dtype=bool)
+        out[inside] = (seen_mm > 0) & (seen_mm > 1000 * (z[inside] - slack_m))
+        return out, z
 
     def look_at(
         self, points_m: NDArray[Any], slot: int, slack_m: Floats
@@ -214,8 +220,8 @@ class Views:
             points_m: (n, k, 3) map axes.
             slack_m: (n,) how far from the seen surface a point still counts as on it.
         """
-        local = (points_m - self._position[slot]) @ self._rotation[slot].T
-        x, y, z = local[..., 0], local[..., 1], local[..., 2]
+        offset = points_m.reshape(-1, 3) - self._position[slot]
+        x, y, z = self._rotation[slot] @ offset.T
         safe = np.maximum(z, NEAREST_M / 2)
         fx, fy, cx, cy = self._lens[slot]
         width, height = self._size[slot]
@@ -223,47 +229,64 @@ class Views:
         row = (y / safe * fy + cy) * (THUMB_PX / height)
         inside = (z > NEAREST_M) & (column >= 0) & (column < THUMB_PX)
         inside &= (row >= 0) & (row < THUMB_PX)
-        at = np.where(inside, row, 0).astype(np.int64), np.where(inside, column, 0).astype(np.int64)
-        seen_m = self._thumb_mm[slot][at] * 0.001
-        slack = slack_m[:, None]
+        at = row.astype(np.int64) * THUMB_PX + column.astype(np.int64)
+        seen_m = self._thumb_mm[slot].ravel()[np.where(inside, at, 0)] * 0.001
+        slack = np.repeat(slack_m, points_m.shape[1])
         visible = inside & (seen_m > 0) & (seen_m > z - slack)
-        return visible, inside & (seen_m > z + slack), z
+        shape = points_m.shape[:2]
+        through = inside & (seen_m > z + slack)
+        return visible.reshape(shape), through.reshape(shape), z.reshape(shape)
+
+    def sees(self, points_m: Floats, slot: int, slack_m: float) -> Bools:
+        """Tell which of many points (n, 3) within sight one view had in its image and not
+        occluded, (n,)."""
+        offset = (points_m - self._position[slot]).T
+        z = self._rotation[slot, 2] @ offset
+        near = np.flatnonzero((z > NEAREST_M) & (offset[0] ** 2 + offset[1] ** 2 < SIGHT_M**2))
+        x, y = self._rotation[slot, :2] @ offset[:, near]
+        z = z[near]
+        fx, fy, cx, cy = self._lens[slot]
+        width, height = self._size[slot]
+        column = (x / z * fx + cx) * (THUMB_PX / width)
+        row = (y / z * fy + cy) * (THUMB_PX / height)
+        inside = (column >= 0) & (column < THUMB_PX) & (row >= 0) & (row < THUMB_PX)
+        near, z = near[inside], z[inside]
+        at = row[inside].astype(np.int64) * THUMB_PX + column[inside].astype(np.int64)
+        seen_m = self._thumb_mm[slot].ravel()[at] * 0.001
+        out = np.zeros(len(points_m), dtype=bool)
+        out[near[(seen_m > 0) & (seen_m > z - slack_m)]] = True
+        return out
 
     def image_px(self, slots: NDArray[np.int64]) -> tuple[Floats, Floats]:
         """Return (fx * fy, width * height) of views: pixels per square metre at 1 m, and area."""
         lens, size = self._lens[slots], self._size[slots]
         return lens[:, 0] * lens[:, 1], size[:, 0] * size[:, 1]
 
-    def project_boxes(self, low_m: Floats, high_m: Floats, slot: int) -> tuple[Floats, Bools]:
-        """Return image boxes (n, 4) of n 3-D boxes in one view, and whether each shows at all."""
-        boxes, shows = self.project_all(low_m, high_m, np.array([slot]))
-        return boxes[0], shows[0]
-
-    def project_all(
+    def project_boxes(
         self, low_m: Floats, high_m: Floats, slots: NDArray[np.int64]
     ) -> tuple[Floats, Bools]:
-        """Return image boxes (views, n, 4) of n 3-D boxes in several views, and which show."""
-        n, views = len(low_m), len(slots)
-        corners = np.where(CORNERS, high_m[:, None], low_m[:, None])
-        u, v, z = self.project(corners.reshape(-1, 3), slots)
-        size = np.repeat(self._size[slots], n, axis=0)
-        flat = (views * n, 8)
-        boxes, shows = _image_boxes(u.reshape(flat), v.reshape(flat), z.reshape(flat), size)
-        return boxes.reshape(views, n, 4), shows.reshape(views, n)
+        """Return the image box of each 3-D box in its view, (n, 4), and whether it shows at all.
+
+        Args:
+            low_m, high_m: (n, 3).
+            slots: (n,) of the views.
+        """
+        turn = np.ascontiguousarray(self._rotation[slots].transpose(2, 1, 0))
+        eye = self._position[slots]
+        ends = np.stack([(low_m - eye).T, (high_m - eye).T])
+        # What each end of each side adds to a corner, (side, end, axis of the camera, n).
+        a, b, c = (ends[:, side, None] * turn[side] for side in range(3))
+        corners = (a[:, None, None] + b[None, :, None] + c[None, None]).reshape(8, 3, -1)
+        z = corners[:, 2]
+        ratio = corners[:, :2] / np.maximum(z, NEAREST_M / 2)[:, None]
+        lens, size = self._lens[slots].T, self._size[slots].T
+        first = np.minimum(np.maximum(ratio.min(0) * lens[:2] + lens[2:], 0), size)
+        last = np.minimum(np.maximum(ratio.max(0) * lens[:2] + lens[2:], 0), size)
+        least = np.maximum(size[0], size[1]) * LEAST_SIDE_SHARE
+        shows = (last - first > least).all(axis=0) & (z.min(0) > NEAREST_M)
+        return np.concatenate([first, last]).T, shows
 
     def position_m(self, serial: int) -> Floats:
         """Return the camera's position of a view, (3,) map axes."""
         position: Floats = self._position[serial % self._capacity]
         return position
-
-
-def _image_boxes(
-    u_px: Floats, v_px: Floats, depth_m: Floats, size_px: Floats
-) -> tuple[Floats, Bools]:
-    """Return the boxes (n, 4) around corners (n, 8), cut to the images, and which show."""
-    width, height = size_px[:, :1], size_px[:, 1:]
-    u, v = np.clip(u_px, 0, width), np.clip(v_px, 0, height)
-    boxes = np.stack([u.min(1), v.min(1), u.max(1), v.max(1)], axis=1)
-    least = size_px.max(1) * LEAST_SIDE_SHARE
-    wide = (boxes[:, 2] - boxes[:, 0] > least) & (boxes[:, 3] - boxes[:, 1] > least)
-    return boxes, wide & (depth_m.min(1) > NEAREST_M)
