@@ -224,7 +224,8 @@ def _fault(
     if offered != wanted:
         added, left = (offered - wanted).total(), (wanted - offered).total()
         return "instances", f"{left} left out, {added} offered that should not be"
-    for part in question.parts:
+    # The paper's confirmation is an "Okay.": nothing is said of the instance.
+    for part in () if decision.literal and decision.state == "CONFIRM" else question.parts:
         for name in part.instance_ids:
             if wrong := truth.untrue(part.graph, identity[name]):
                 return "attributes", wrong

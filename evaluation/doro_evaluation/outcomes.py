@@ -10,7 +10,7 @@ import msgspec
 from doro_evaluation.chain import Room
 from doro_perception.backend import big_enough, clip_box
 from doro_perception.settings import PerceptionSettings
-from doro_schemas.messages import Instance
+from doro_schemas.messages import Instance, SimDetection, SimDetections
 from doro_schemas.vocabulary import canonical_name, split_camel_case
 from doro_sim_feeder.rooms.classes import CLASSES
 
@@ -67,14 +67,26 @@ def reported_in(
     room: Room, views: Iterable[int], settings: PerceptionSettings | None = None
 ) -> Counter[str]:
     """Return the same for some of the views."""
-    least = settings or PerceptionSettings()
     seen: Counter[str] = Counter()
-    for frame in (room.detections[view] for view in views):
-        for item in frame.detections:
-            box_px = clip_box(item.box_px, frame.height_px, frame.width_px)
-            if big_enough(box_px, least.min_side_px, least.min_area_px):
-                seen[item.object_id] += 1
+    for view in views:
+        seen.update(item.object_id for item in reported_boxes(room.detections[view], settings))
     return seen
+
+
+def reported_boxes(
+    frame: SimDetections, settings: PerceptionSettings | None = None
+) -> list[SimDetection]:
+    """Return the detections of a frame that are large enough for perception."""
+    least = settings or PerceptionSettings()
+    return [
+        item
+        for item in frame.detections
+        if big_enough(
+            clip_box(item.box_px, frame.height_px, frame.width_px),
+            least.min_side_px,
+            least.min_area_px,
+        )
+    ]
 
 
 def true_things(room: Room, settings: PerceptionSettings | None = None) -> tuple[Thing, ...]:

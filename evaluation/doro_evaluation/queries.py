@@ -17,7 +17,7 @@ from doro_dialogue.readings import decide_readings
 from doro_evaluation.chain import Room
 from doro_evaluation.judge import Truth, Verdict, identify, judge
 from doro_evaluation.maps import Found, MappedRoom
-from doro_evaluation.outcomes import reported_in, reported_views
+from doro_evaluation.outcomes import reported_boxes, reported_in, reported_views
 from doro_evaluation.pairs import Pair
 from doro_nlu.core import Nlu
 from doro_schemas.graph import ObjectGraph
@@ -133,7 +133,8 @@ def run_system(
 
 
 def _count(frame: SimDetections, name: str) -> int:
-    return sum(name_satisfies(name, _name(item.object_type)) for item in frame.detections)
+    """Return how many things of a class a perfect detector reports in a view."""
+    return sum(name_satisfies(name, _name(item.object_type)) for item in reported_boxes(frame))
 
 
 def of_view(graphs: FrameGraphs, frame: SimDetections) -> tuple[list[Candidate], dict[str, str]]:
