@@ -89,3 +89,18 @@ def share(sums: NDArray[np.float64]) -> NDArray[np.float64]:
 def f1(sums: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return F1 of (hits, said, true)."""
     return np.asarray(2 * sums[:, 0] / (sums[:, 1] + sums[:, 2]))
+
+
+def bounds(name: str, flags: Sequence[tuple[str, bool]]) -> dict[str, float]:
+    """Return ``<name>_share`` of what is true, ``_share_low`` and ``_share_high``.
+
+    Args:
+        flags: (room, whether it is right); rooms are drawn.
+    """
+    rooms = sorted({room for room, _ in flags})
+    tallies = np.zeros((len(rooms), 2))
+    for room, right in flags:
+        tallies[rooms.index(room)] += (right, 1)
+    score = tallied(tallies, share)
+    values = {"": score.value, "_low": score.low, "_high": score.high}
+    return {f"{name}_share{end}": round(value, 4) for end, value in values.items()}

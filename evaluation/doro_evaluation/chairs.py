@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from rich.table import Table
 
+from doro_evaluation.bootstrap import bounds
 from doro_evaluation.counting import items, pairs
 from doro_evaluation.counting_report import Figures, Runs
 
@@ -31,6 +32,7 @@ def figures_of(runs: Runs) -> Figures:
         name = f"chairs/{system}/{errors}"
         figures[f"{name}/rooms"] = len(rooms)
         figures[f"{name}/right"] = sum(true == found for _, true, found in rooms)
+        figures |= bounds(f"{name}/right", [(room, true == found) for room, true, found in rooms])
         distances = [
             pair.distance_m
             for outcome in runs[system, errors]

@@ -24,7 +24,9 @@ import msgspec
 import numpy as np
 from rich.table import Table
 
+from doro_evaluation.bootstrap import bounds
 from doro_evaluation.chain import ERROR_MODELS, Language, Room, count_instances, load_room
+from doro_evaluation.context import room_of
 from doro_evaluation.counting_report import Figures
 from doro_evaluation.outcomes import reported_views
 from doro_evaluation.runs import Context, Recorded, in_processes
@@ -168,7 +170,9 @@ def figures_of(results: Sequence[StackResult]) -> Figures:
         name = f"stacks/ours/{errors}/{relations}"
         figures[f"{name}/stacks"] = len(group)
         for metric in ("right", "counted", "linked", "supported"):
-            figures[f"{name}/{metric}"] = sum(getattr(one, metric) for one in group)
+            flags = [(room_of(one.recording), bool(getattr(one, metric))) for one in group]
+            figures[f"{name}/{metric}"] = sum(flag for _, flag in flags)
+            figures |= bounds(f"{name}/{metric}", flags)
     return figures
 
 

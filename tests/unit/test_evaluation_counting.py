@@ -157,6 +157,9 @@ def test_chairs_are_right_where_as_many_are_found() -> None:
     figures = chair_figures(runs)
     assert figures["chairs/ours/gt/right"] == 1
     assert figures["chairs/ours/gt/rooms"] == 2
+    assert figures["chairs/ours/gt/right_share"] == 0.5
+    bounds = [figures[f"chairs/ours/gt/right_share_{end}"] for end in ("low", "high")]
+    assert bounds == [0.0, 1.0]
 
 
 def test_the_assignment_that_the_metrics_use_is_the_best() -> None:
