@@ -4,22 +4,27 @@ from __future__ import annotations
 
 from doro_mapper.settings import MapperSettings
 
+LEAST_CERTAIN = 0.5
 GONE_MISSES = 10
 GONE_CHANCE = 1e-8
 GONE_EMPTY = 5
 MOST_RATE = 0.9
 
 
-def enough(hits: int, misses: int, views: int, settings: MapperSettings) -> bool:
+def enough(
+    hits: int, misses: int, views: int, settings: MapperSettings, doubt: float = 0.0
+) -> bool:
     """Tell whether hits against misses make an instance (study, point 7).
 
     Args:
         views: frames merged so far.
+        doubt: how many of the hits are wrong by the detector's own calibrated scores.
     """
+    certain = hits - doubt
     if hits < settings.min_hit_share * (hits + misses):
         return False
     alone = hits >= 1 and misses == 0 and views < settings.few_views
-    return hits >= settings.min_hits or alone
+    return certain >= settings.min_hits or (alone and certain >= LEAST_CERTAIN)
 
 
 def has_gone(hits: int, misses: int, telling: int, run: int, empty_run: int) -> bool:

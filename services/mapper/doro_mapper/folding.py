@@ -19,7 +19,8 @@ KEPT_FIELDS = (
 
 
 def fold(table: TrackTable, main: int, minor: int, *, measured: bool) -> None:
-    """Take the views of one track into another; the caller drops it afterwards.
+    """Take the views of one track into another; the caller drops it afterwards, and derives the
+    other's geometry and misses again when all are in.
 
     Args:
         measured: take its sample of measurements as well.
@@ -33,8 +34,6 @@ def fold(table: TrackTable, main: int, minor: int, *, measured: bool) -> None:
     if measured:
         table.measured[main] += table.measured[minor]
         _join_samples(table, main, minor)
-        table.refresh(np.array([main]))
-    table.look_back(main)
 
 
 def read_as(table: TrackTable, main: int, slots: Bools) -> None:

@@ -99,6 +99,9 @@ class Groups:
             for index, row in enumerate(group.item.rows[1:], start=1):
                 fold(table, main, row, measured=index < group.item.shaping)
                 self._votes[main].take(self._votes[row])
+            if len(group.item.rows) > 1:
+                table.refresh(np.array([main]))
+                table.look_back(main)
             if group.read is not None:
                 read_as(table, main, group.read)
             minor = [*group.item.rows[1:], *group.absorbed]
@@ -244,6 +247,9 @@ class Groups:
         misses = int((expected & ~seen).sum()) + int(table.old_misses[rows[0]])
         return int(seen.sum()) + older, misses
 
+    def _doubt(self, group: Group) -> float:
+        return sum(self._votes[row].doubt for row in group.item.rows)
+
     def _number(self) -> None:
         """Give ids to things that now count as instances, in order of their first track."""
         table, least = self._table, self._settings.min_hits
@@ -256,7 +262,8 @@ class Groups:
                 continue
             if any(row in self._ids for row in rows):
                 continue
-            if enough(*self._counted(group), self._views.total, self._settings):
+            doubt = self._doubt(group)
+            if enough(*self._counted(group), self._views.total, self._settings, doubt):
                 name = self._votes[main].look()[0].replace(" ", "-")
                 self._counts[name] = self._counts.get(name, 0) + 1
                 self._ids[main] = f"{name}-{self._counts[name]}"
@@ -285,7 +292,7 @@ class Groups:
             known = self._built(group, hits, misses, (hits, misses, total, changes, *rows))
             self._cache[group.main] = known
         known.tentative = not known.instance_id or not enough(
-            hits, misses, self._views.total, self._settings
+            hits, misses, self._views.total, self._settings, self._doubt(group)
         )
         run, empty = min(runs[row] for row in rows), min(empties[row] for row in rows)
         known.gone = has_gone(hits, misses, run if known.small else 0, run, empty)

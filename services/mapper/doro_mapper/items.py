@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -99,7 +100,7 @@ def item_of(row: int, table: TrackTable, votes: Votes) -> Item:
 
 
 def strength(item: Item) -> float:
-    missed = int((item.expected & ~item.seen).sum())
+    missed = int(np.count_nonzero(item.expected & ~item.seen))
     return item.hits / (item.hits + missed + 2.0)
 
 
@@ -149,10 +150,10 @@ def one_above(a: Item, b: Item) -> bool:
     From across a table only the back shows, so that the two are never seen together; two
     chairs cannot stand so close.
     """
-    low, high = np.minimum(a.low_m, b.low_m), np.maximum(a.high_m, b.high_m)
     size = np.maximum(a.high_m - a.low_m, b.high_m - b.low_m)
     if float(size.max()) < FURNITURE_M:
         return False
+    low, high = np.minimum(a.low_m, b.low_m), np.maximum(a.high_m, b.high_m)
     footprint = 0.5 * float(size[:2].max())
     apart = float(np.hypot(*(a.center_m - b.center_m)[:2]))
     gap_up = max(a.low_m[2] - b.high_m[2], b.low_m[2] - a.high_m[2])
@@ -180,8 +181,8 @@ def agree(a: Item, b: Item) -> bool:
 
 def in_reach(other: Item, item: Item) -> bool:
     """Tell whether an item may be a view of another, by distance."""
-    reach = PRUNE_REACH_M + 2 * float(np.linalg.norm(other.high_m - other.low_m))
-    return float(np.linalg.norm(other.center_m - item.center_m)) <= reach
+    reach = PRUNE_REACH_M + 2 * math.dist(other.high_m.tolist(), other.low_m.tolist())
+    return math.dist(other.center_m.tolist(), item.center_m.tolist()) <= reach
 
 
 def reach_matrix(items: list[Item]) -> Bools:

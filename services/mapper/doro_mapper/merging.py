@@ -157,7 +157,7 @@ class Cluster:
 
     def _never_both(self, larger: Item, smaller: Item, together: int) -> bool:
         """Tell whether views that should have seen two things hardly ever saw both."""
-        common = int((larger.expected & smaller.expected).sum())
+        common = int(np.count_nonzero(larger.expected & smaller.expected))
         return common >= COMMON_VIEWS and together <= TOGETHER_SHARE * common
 
     def _cut_off(self, larger: Item, smaller: Item) -> bool:
@@ -195,8 +195,10 @@ class Cluster:
     def _shape(self, rows: list[int]) -> Shape:
         """Return the geometry of several tracks together."""
         t = self._table
-        picks = [(row, k) for row in rows for k in range(int(t.kept[row]))]
-        at = tuple(np.array(picks[:: 1 + len(picks) // MERGED_KEPT]).T)
+        kept = t.kept[rows].tolist()
+        step = 1 + sum(kept) // MERGED_KEPT
+        places = np.concatenate([np.arange(count) for count in kept])
+        at = np.repeat(rows, kept)[::step], places[::step]
         found = robust_geometry(
             t.kept_place[at].astype(np.float64)[None],
             t.kept_weight[at].astype(np.float64)[None],

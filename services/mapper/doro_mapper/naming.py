@@ -23,7 +23,11 @@ from doro_schemas.vocabulary import canonical_name
 FLOOR = 0.02
 """Of a class that a distribution leaves out."""
 DAMPING = 0.6
-NEAR_M, NEAR_SHARE = 0.12, 0.4
+NEAR_M, NEAR_SHARE = 0.08, 0.3
+MOST_RATIO = 2.0
+"""Of the sizes of two sightings of one thing."""
+LEAST_AGREEMENT = 0.1
+"""What the distributions of two sightings of one thing have in common."""
 MOST_SPOTS, MOST_NAMES, SHOWN = 2000, 24, 5
 
 
@@ -37,17 +41,25 @@ class _Spot:
     names: dict[str, float] = field(default_factory=dict)
     unnamed: float = 0.0
 
-    def add(self, center_m: Floats, classes: dict[str, float]) -> None:
+    def add(self, center_m: Floats, classes: dict[str, float], score: float) -> None:
+        """Take a sighting in; a detector that is unsure of it counts less."""
+        weight = DAMPING * score
         self.views += 1
         self.center_m = self.center_m + (center_m - self.center_m) / self.views
         for name in classes:
             # What came up only now had the floor in all views before.
             self.names.setdefault(name, self.unnamed)
-        self.unnamed += DAMPING * float(np.log(FLOOR))
+        self.unnamed += weight * float(np.log(FLOOR))
         for name in self.names:
-            self.names[name] += DAMPING * float(np.log(max(classes.get(name, 0.0), FLOOR)))
+            self.names[name] += weight * float(np.log(max(classes.get(name, 0.0), FLOOR)))
         if len(self.names) > MOST_NAMES:
             del self.names[min(self.names, key=lambda name: (self.names[name], name))]
+
+    def agrees(self, classes: dict[str, float]) -> bool:
+        """Tell whether a distribution may be of the same thing."""
+        own = dict(self.shares())
+        common = sum(min(own.get(name, 0.0), share) for name, share in classes.items())
+        return common >= LEAST_AGREEMENT
 
     def shares(self) -> list[tuple[str, float]]:
         """Return the names with their probabilities, best first, ties by name."""
@@ -77,22 +89,28 @@ class NameMemory:
             if len(classes) < 2:
                 continue
             size_m = measured.high_m[k] - measured.low_m[k]
-            number = self._spot(measured.center_m[k], float(size_m.max()), taken)
+            number = self._spot(measured.center_m[k], float(size_m.max()), classes, taken)
             taken.add(number)
             spot = self._spots[number]
-            spot.add(measured.center_m[k], classes)
+            spot.add(measured.center_m[k], classes, boxes[k].score)
             out[k] = _renamed(boxes[k], spot.shares())
         return out
 
-    def _spot(self, center_m: Floats, side_m: float, taken: set[int]) -> int:
-        """Return the number of the nearest free place within reach, a new one where none is."""
+    def _spot(
+        self, center_m: Floats, side_m: float, classes: dict[str, float], taken: set[int]
+    ) -> int:
+        """Return the number of the nearest free place within reach whose thing may be this one,
+        a new one where none is.
+        """
         if self._spots:
             centers = np.array([spot.center_m for spot in self._spots])
             sides = np.array([spot.side_m for spot in self._spots])
             gaps = np.linalg.norm(centers - center_m, axis=1)
             reach = np.maximum(NEAR_M, NEAR_SHARE * np.minimum(sides, side_m))
-            for number in np.argsort(gaps, kind="stable").tolist():
-                if gaps[number] <= reach[number] and number not in taken:
+            alike = np.maximum(sides, side_m) <= MOST_RATIO * np.minimum(sides, side_m)
+            near = np.flatnonzero((gaps <= reach) & alike)
+            for number in near[np.argsort(gaps[near], kind="stable")].tolist():
+                if number not in taken and self._spots[number].agrees(classes):
                     return int(number)
         if len(self._spots) >= MOST_SPOTS:
             oldest = min(range(len(self._spots)), key=lambda n: (self._spots[n].views, n))

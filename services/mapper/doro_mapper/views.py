@@ -85,6 +85,7 @@ class Views:
         self._position = np.zeros((0, 3))
         self._lens = np.zeros((0, 4))
         self._size = np.zeros((0, 2))
+        self._reach = np.zeros((0, 2))
         self._thumb_mm = np.zeros((0, THUMB_PX, THUMB_PX), np.uint16)
 
     def _grow(self, room: int) -> None:
@@ -97,6 +98,7 @@ class Views:
         self._position = grown(self._position)
         self._lens = grown(self._lens)
         self._size = grown(self._size)
+        self._reach = grown(self._reach)
         self._thumb_mm = grown(self._thumb_mm)
 
     @property
@@ -133,6 +135,12 @@ class Views:
         self.place(serial, camera)
         self._lens[slot] = (lens.fx, lens.fy, lens.cx, lens.cy)
         self._size[slot] = camera.size_px
+        # Half angles of the image, from its farther edges.
+        width, height = camera.size_px
+        self._reach[slot] = (
+            max(lens.cx, width - lens.cx) / lens.fx,
+            max(lens.cy, height - lens.cy) / lens.fy,
+        )
         self._thumb_mm[slot] = np.minimum(np.rint(thumbnail(depth_m) * 1000), FARTHEST_MM)
         self.total += 1
         return serial
@@ -160,22 +168,19 @@ class Views:
         n = self.count
         offset = point_m - self._position[:n]
         close = np.hypot(offset[:, 0], offset[:, 1]) < SIGHT_M
-        local = np.einsum("fij,fj->fi", self._rotation[:n], offset)
+        local = (self._rotation[:n] @ offset[:, :, None])[:, :, 0]
         z = local[:, 2]
-        # Half angles of the image, from its farther edges, with the ball's radius as slack.
-        lens, size = self._lens[:n], self._size[:n]
-        reach_u = np.maximum(lens[:, 2], size[:, 0] - lens[:, 2]) / lens[:, 0]
-        reach_v = np.maximum(lens[:, 3], size[:, 1] - lens[:, 3]) / lens[:, 1]
-        inside_u = np.abs(local[:, 0]) - radius_m <= reach_u * (z + radius_m)
-        inside_v = np.abs(local[:, 1]) - radius_m <= reach_v * (z + radius_m)
-        return np.flatnonzero(close & (z + radius_m > NEAREST_M) & inside_u & inside_v)
+        # The ball's radius is slack at the image's edges.
+        inside = np.abs(local[:, :2]) - radius_m <= self._reach[:n] * (z + radius_m)[:, None]
+        return np.flatnonzero(close & (z + radius_m > NEAREST_M) & inside[:, 0] & inside[:, 1])
 
     def project(
         self, points_m: NDArray[Any], slots: NDArray[np.int64]
     ) -> tuple[Floats, Floats, Floats]:
         """Return (u_px, v_px, depth_m), each (views, points), of points (points, 3)."""
-        offset = points_m.T[None] - self._position[slots][:, :, None]
-        local = self._rotation[slots] @ offset
+        turn, eye = self._rotation[slots], self._position[slots]
+        local = (turn.reshape(-1, 3) @ points_m.T).reshape(len(turn), 3, -1)
+        local -= turn @ eye[:, :, None]
         z = local[:, 2]
         safe = np.maximum(z, NEAREST_M / 2)
         lens = self._lens[slots][:, :, None]

@@ -38,21 +38,26 @@ class Votes:
         attributes: by type and value.
         stated: by (relation, landmark's class, inverse).
         evidence: the best views.
+        doubt: how many sightings are wrong by the scores of a detector that knows how sure it
+            is (one with class distributions); others are taken at their word.
     """
 
-    __slots__ = ("_look", "attributes", "evidence", "names", "stated")
+    __slots__ = ("_look", "attributes", "doubt", "evidence", "names", "stated")
 
     def __init__(self) -> None:
         self.names: dict[str, float] = {}
         self.attributes: dict[str, dict[str, float]] = {}
         self.stated: dict[tuple[str, str, bool], Stated] = {}
         self.evidence: list[Shown] = []
+        self.doubt = 0.0
         self._look: tuple[str, dict[str, str]] | None = None
 
     def add(self, sighting: Sighting) -> None:
         """Count one sighting."""
         weight, graph = sighting.weight, sighting.graph
         self._look = None
+        if len(sighting.classes) > 1:
+            self.doubt += 1.0 - sighting.score
         total = sum(one.probability for one in sighting.classes)
         if total <= 0:
             _count(self.names, graph.name, weight)
@@ -91,6 +96,7 @@ class Votes:
             known.graphs.update(stated.graphs)
             for text, weight in stated.variants.items():
                 _count(known.variants, text, weight)
+        self.doubt += other.doubt
         for shown in other.evidence:
             self._show(shown)
 
