@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from doro_perception.backend import RgbImage
+from doro_perception.backend import Detection, RgbImage, without_doubles
 from doro_perception.captioner import Calibration, Captioner, fitted, top
 from doro_perception.classes import CLASSES, COLOURS, MATERIALS, class_names
 from doro_perception.core import Perception
@@ -257,3 +257,11 @@ def test_names_are_canonical_and_their_own() -> None:
     assert len(set(names)) == len(names) == len(CLASSES)
     assert all(canonical_name(name) == name for name in names)
     assert top(names, np.eye(len(names))[3], 5) == ((names[3], 1.0),)
+
+
+def test_of_two_boxes_of_one_name_the_better_one_stays() -> None:
+    first = Detection(box_px=(0, 0, 10, 10), score=0.9, name="cup")
+    double = Detection(box_px=(0, 0, 10, 5), score=0.8, name="cup")
+    bowl = Detection(box_px=(0, 0, 10, 5), score=0.7, name="bowl")
+    apart = Detection(box_px=(8, 0, 18, 10), score=0.6, name="cup")
+    assert without_doubles([first, double, bowl, apart], 0.4) == [first, bowl, apart]

@@ -73,6 +73,22 @@ def big_enough(box_px: list[float], min_side_px: float, min_area_px: float) -> b
     return side > 0 and side >= min_side_px and width * height >= min_area_px
 
 
+def without_doubles(found: list[Detection], iou: float) -> list[Detection]:
+    """Return the detections without those that a better one of the same name overlaps.
+
+    Args:
+        found: best first.
+        iou: the most that two things of one name may overlap.
+    """
+    kept: list[Detection] = []
+    for item in found:
+        box = np.asarray(item.box_px)
+        rivals = np.array([one.box_px for one in kept if one.name == item.name])
+        if not len(rivals) or intersection_over_union(box, rivals).max() <= iou:
+            kept.append(item)
+    return kept
+
+
 def suppressed(boxes: NDArray[Any], scores: NDArray[Any], iou: float) -> list[int]:
     """Return the indices of the best boxes that overlap no better one by more than ``iou``."""
     kept: list[int] = []

@@ -16,7 +16,13 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from doro_perception.backend import Detection, RgbImage, Shares, intersection_over_union
+from doro_perception.backend import (
+    Detection,
+    RgbImage,
+    Shares,
+    intersection_over_union,
+    without_doubles,
+)
 from doro_perception.classes import CLASSES, COLOURS, MATERIALS, class_names
 from doro_perception.crop import cut_out
 from doro_perception.sessions import Session
@@ -117,8 +123,8 @@ class Captioner:
             for k in range(len(found.boxes))
         ]
         self._stages.lap("fuse")
-        kept = [item for item in detections if item is not None]
-        return sorted(kept, key=lambda item: -item.score)
+        kept = sorted([one for one in detections if one is not None], key=lambda one: -one.score)
+        return without_doubles(kept, self._settings.double_iou)
 
     def propose(self, rgb: RgbImage) -> Candidates:
         """Return the places that may hold a thing, merged over classes, best first."""

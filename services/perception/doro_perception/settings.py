@@ -84,6 +84,7 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
         captioner: folder with other models of the captioner; empty: the packaged ones.
         captioner_leave_out: canonical names of classes that the captioner is not to report.
         captioner_threshold: calibrated scores below it are not reported as detections.
+        double_iou: of two boxes of one name that overlap more, the better one stays.
         candidate_score: proposals below it are not looked at.
         mirror: the captioner looks at the mirrored image and crops as well.
         max_boxes: at most so many proposals of a frame are looked at, the best ones.
@@ -121,6 +122,7 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     captioner: str = ""
     captioner_leave_out: tuple[str, ...] = ("window",)
     captioner_threshold: float = 0.35
+    double_iou: float = 0.4
     candidate_score: float = 0.08
     mirror: bool = True
     max_boxes: int = 20
@@ -131,7 +133,7 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
 
     def __post_init__(self) -> None:
         shares = [self.score_threshold, self.nms_iou, self.max_area_share, self.candidate_score]
-        shares += [self.captioner_threshold, self.attribute_threshold]
+        shares += [self.captioner_threshold, self.attribute_threshold, self.double_iou]
         if not all(0.0 <= share <= 1.0 for share in [*shares, *self.class_thresholds.values()]):
             raise ValueError("thresholds, nms_iou and max_area_share must be in 0..1")
         if not 1 <= self.max_boxes <= 100:
