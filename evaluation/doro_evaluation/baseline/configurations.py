@@ -38,13 +38,14 @@ def run(
     views = [[box.caption for box in frame.detections] for frame in spoken]
     merged = aggregated([one.graph for one in mapped.found("tracks", errors).instances])
     graphs = mapped.graphs(errors)
-    whole = Truth.of(room.truth, reported_views(room))
+    whole = Truth.of(room.truth, reported_views(room), room.detections)
     outcomes: list[QueryOutcome] = []
     for pair in pairs:
         view = best_view(room.detections, pair)
         _, identity = of_view(graphs[view], room.detections[view])
-        delivered = Truth.of(room.truth, set(identity.values()))
-        shown = Truth.of(room.truth, reported_in(room, [view]))
+        frame = [room.detections[view]]
+        delivered = Truth.of(room.truth, set(identity.values()), frame)
+        shown = Truth.of(room.truth, reported_in(room, [view]), frame)
         one_view = baseline.answer(views[view], pair.instruction)
         said: list[tuple[str, View, Truth, str]] = [
             (BASELINE, "one-view", whole, one_view),
