@@ -18,7 +18,7 @@ BLOCK_CELLS = 5
 BLOCK_BANDS = 2
 SLACK_M = 0.20
 """A block's middle behind the seen surface by less than this counts as seen: half its diagonal."""
-MOST_BACK = 256
+MOST_BACK = 128
 """Views looked back at for a new block."""
 INITIAL_ROOM = 256
 PLACE_BITS = 20

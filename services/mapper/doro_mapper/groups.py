@@ -255,7 +255,7 @@ class Groups:
         table, least = self._table, self._settings.min_hits
         able = (table.hits[: table.n] >= least).tolist()
         long = self._views.total >= self._settings.few_views
-        for main in sorted(self._groups):
+        for main in sorted(main for main in self._groups if main not in self._ids):
             group = self._groups[main]
             rows = group.item.rows
             if long and len(rows) == 1 and group.read is None and not able[main]:
