@@ -15,18 +15,38 @@ FILE = click.Path(path_type=Path, dir_okay=False)
 
 @click.command("mapper")
 @click.option("--json", "json_path", type=FILE, help="Where to write the figures.")
-@click.option("--recording", type=FILE, help="A rendered room; default: the packaged sample.")
+@click.option(
+    "--scene", "scenes", multiple=True, type=click.Choice(["room", "home", "fronts"]),
+    help="room: a living room (default figures); home: three rooms; fronts: the worst case."
+    " Default: all.",
+)  # fmt: skip
+@click.option("--recording", type=FILE, help="Another recording for fronts.")
 @click.option("--frames", default=2000, show_default=True, type=click.IntRange(50))
+@click.option(
+    "--long", "long_frames", default=0, type=click.IntRange(0),
+    help="Instead: memory and time over so many cheap frames, for example 100000.",
+)  # fmt: skip
 @says_refusals
-def bench_mapper(json_path: Path | None, recording: Path | None, frames: int) -> None:
-    """Merge 2,000 frames of 8 detections on one thread; CPU time, wall clock beside it."""
+def bench_mapper(
+    json_path: Path | None,
+    scenes: tuple[str, ...],
+    recording: Path | None,
+    frames: int,
+    long_frames: int,
+) -> None:
+    """Merge 2,000 frames of 8 detections a scene on one thread; CPU time, wall clock beside it."""
     from doro_evaluation.figures import write_figures
-    from doro_evaluation.mapper_bench import TARGETS, run_bench
+    from doro_evaluation.mapper_bench import run_bench, run_long, wanted
+    from doro_evaluation.mapper_scenes import SCENES
 
-    with talk.status(f"merging {frames} frames"), sample_recording() as sample:
-        figures = run_bench(recording or sample, frames)
+    with talk.status("merging frames"), sample_recording() as sample:
+        if long_frames:
+            figures = run_long(recording or sample, long_frames)
+        else:
+            figures = run_bench(scenes or SCENES, recording or sample, frames)
     table = Table("figure", "value", "wanted", title="Mapper, one thread, CPU time")
     for name, value in figures.items():
-        table.add_row(name, str(value), TARGETS.get(name, ""))
+        table.add_row(name, str(value), wanted(name))
     Console().print(table)
-    write_figures(json_path, figures, f"doro bench mapper --frames {frames}")
+    command = f"--long {long_frames}" if long_frames else f"--frames {frames}"
+    write_figures(json_path, figures, f"doro bench mapper {command}")

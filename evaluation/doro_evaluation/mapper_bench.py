@@ -1,10 +1,9 @@
 """Speed and memory of the mapper over 2,000 frames, and of a ConceptGraphs-like association.
 
-The frames are those of a real recording, over and over: each round with other detector errors
-(shift, size, missing), a camera that stands up to 2 cm and half a degree elsewhere, and depth
-that is off by up to half a percent, so that no two frames are equal. Making them is not timed;
-merging is (``depth_frame`` and ``frame_graphs``). Times are CPU times of the whole process,
-which a busy machine does not disturb; wall-clock times stand beside them.
+The frames are those of a scene (:mod:`doro_evaluation.mapper_scenes`), over and over, no two
+equal. Making them is not timed; merging is (``depth_frame`` and ``frame_graphs``). Times are CPU
+times of the whole process, which a busy machine disturbs less; wall-clock times stand beside
+them.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ import os
 import sys
 import time
 import types
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -24,29 +23,27 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from doro_evaluation.chain import ERROR_MODELS, Language, Room, load_room
 from doro_evaluation.conceptgraphs import ConceptGraphsLike
 from doro_evaluation.figures import Figure
+from doro_evaluation.mapper_scenes import EPISODE, Endless, Pair, scene_of
 from doro_mapper.core import Mapper
 from doro_mapper.settings import MapperSettings
-from doro_schemas.camera import Intrinsics, Pose
-from doro_schemas.messages import DepthFrame, FrameGraphs, GraphBox, InstancesRequest
+from doro_schemas.messages import Exploration, InstancesRequest
 
 FRAMES, BASELINE_FRAMES, LARGE_FRAMES, QUERIES = 2000, 300, 200, 20
-DETECTIONS, LARGE_DETECTIONS = 8, 20
-LARGE_PX = (480, 640)
-TARGETS = {
-    "speed/mapper/frame_300_p50_ms": "< 2",
-    "speed/mapper/frame_300_p99_ms": "< 6",
-    "speed/mapper/flatness": "about 1",
-    "speed/mapper/query_after_2000_frames_ms": "< 5",
-    "speed/mapper/state_after_2000_frames_mb": "< 20",
-    "speed/mapper/frame_640_p50_ms": "< 8",
+DETECTIONS, LARGE_DETECTIONS, LONG_DETECTIONS = 8, 20, 2
+LARGE_PX, LONG_PX = (480, 640), (100, 100)
+DEFAULT_SCENE = "room"
+WANTED = {
+    "frame_300_p50_ms": "< 2",
+    "frame_300_p99_ms": "< 6",
+    "flatness": "about 1",
+    "query_after_2000_frames_ms": "< 5",
+    "state_after_2000_frames_mb": "< 20",
+    "frame_640_p50_ms": "< 8",
 }
 """What is wanted, on an idle core."""
 EARLY, LATE, WARM_UP = 200, 200, 10
-MOVED_M, TURNED_DEG, DEPTH_SHARE = 0.02, 0.5, 0.005
-Pair = tuple[DepthFrame, FrameGraphs]
 
 
 class Times(msgspec.Struct):
@@ -64,22 +61,61 @@ class Times(msgspec.Struct):
         return float(np.percentile(values, percent)) * 1000
 
 
-def run_bench(recording: Path, frames: int = FRAMES) -> dict[str, Figure]:
-    """Return the figures ``speed/mapper/...``, measured in a process with one thread."""
+def wanted(name: str) -> str:
+    """Return what is wanted of a figure, in whatever scene; empty where nothing is."""
+    return WANTED.get(name.rpartition("/")[2], "") if name.startswith("speed/mapper/") else ""
+
+
+def run_bench(scenes: Sequence[str], recording: Path, frames: int = FRAMES) -> dict[str, Figure]:
+    """Return the figures of scenes, measured in a process with one thread.
+
+    Args:
+        scenes: see :mod:`doro_evaluation.mapper_scenes`.
+        recording: of the scene ``fronts``.
+    """
+    return _alone(_all, scenes, recording, frames)
+
+
+def _all(scenes: Sequence[str], recording: Path, frames: int) -> dict[str, Figure]:
+    figures: dict[str, Figure] = {}
+    for scene in scenes:
+        figures |= measure(scene, recording, frames)
+    return figures
+
+
+def run_long(recording: Path, frames: int) -> dict[str, Figure]:
+    """Return memory and time of a long run of cheap frames, in a process with one thread."""
+    return _alone(measure_long, "fronts", recording, frames)
+
+
+def _alone(task: Any, scene: Any, recording: Path, frames: int) -> dict[str, Figure]:
     os.environ["OMP_NUM_THREADS"] = "1"
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(1, mp_context=spawn) as pool:
-        return pool.submit(measure, recording, frames).result()
+        figures: dict[str, Figure] = pool.submit(task, scene, recording, frames).result()
+        return figures
 
 
 def measure(
-    recording: Path, frames: int = FRAMES, large_frames: int = LARGE_FRAMES
+    scene: str, recording: Path, frames: int = FRAMES, large_frames: int = LARGE_FRAMES
 ) -> dict[str, Figure]:
-    """Measure in this process; see :func:`run_bench`."""
-    room = load_room(recording)
-    pairs = Endless(room, DETECTIONS)
-    mapper = Mapper(MapperSettings())
-    mapper.exploration(room.start())
+    """Measure in this process; see :func:`run_bench`.
+
+    The default scene's figures are ``speed/mapper/...``, another's ``speed/mapper/<scene>/...``.
+    """
+    shown = scene_of(scene, recording)
+    pairs = Endless(shown, DETECTIONS)
+    figures, times = _merged(pairs, frames)
+    figures |= _baseline(pairs, times, min(frames, BASELINE_FRAMES))
+    # No view of the room shows as many as large frames are to have.
+    large = scene_of("home", recording) if scene == "room" else shown
+    figures |= _large(Endless(large, LARGE_DETECTIONS, LARGE_PX), large_frames)
+    prefix = "speed/mapper/" if scene == DEFAULT_SCENE else f"speed/mapper/{scene}/"
+    return {prefix + name: value for name, value in figures.items()}
+
+
+def _merged(pairs: Endless, frames: int) -> tuple[dict[str, Figure], Times]:
+    mapper = _started()
     gc.collect()
     times = Times()
     for number in range(frames):
@@ -92,27 +128,45 @@ def measure(
         query.add(time.process_time() - started[0], time.perf_counter() - started[1])
     early = np.median(times.cpu_s[WARM_UP:EARLY])
     late = np.median(times.cpu_s[-LATE:])
-    figures: dict[str, Figure] = {
-        "speed/mapper/frames": frames,
-        "speed/mapper/frame_300_p50_ms": _ms(times.percentile_ms(50)),
-        "speed/mapper/frame_300_p99_ms": _ms(times.percentile_ms(99)),
-        "speed/mapper/frame_300_p50_wall_ms": _ms(times.percentile_ms(50, wall=True)),
-        "speed/mapper/frame_300_p99_wall_ms": _ms(times.percentile_ms(99, wall=True)),
-        "speed/mapper/frame_300_early_p50_ms": _ms(float(early) * 1000),
-        "speed/mapper/frame_300_late_p50_ms": _ms(float(late) * 1000),
-        "speed/mapper/flatness": round(float(late / early), 3),
-        f"speed/mapper/query_after_{frames}_frames_ms": _ms(query.percentile_ms(50)),
-        f"speed/mapper/query_after_{frames}_frames_wall_ms": _ms(
-            query.percentile_ms(50, wall=True)
-        ),
-        f"speed/mapper/state_after_{frames}_frames_mb": round(deep_bytes(mapper) / 1e6, 2),
-        "speed/mapper/instances": len(mapper.instances(InstancesRequest()).instances),
-    }
     return {
-        **figures,
-        **_baseline(pairs, times, min(frames, BASELINE_FRAMES)),
-        **_large(room, large_frames),
-    }
+        "frames": frames,
+        "views": pairs.views,
+        "frame_300_p50_ms": _ms(times.percentile_ms(50)),
+        "frame_300_p99_ms": _ms(times.percentile_ms(99)),
+        "frame_300_p50_wall_ms": _ms(times.percentile_ms(50, wall=True)),
+        "frame_300_p99_wall_ms": _ms(times.percentile_ms(99, wall=True)),
+        "frame_300_early_p50_ms": _ms(float(early) * 1000),
+        "frame_300_late_p50_ms": _ms(float(late) * 1000),
+        "flatness": round(float(late / early), 3),
+        f"query_after_{frames}_frames_ms": _ms(query.percentile_ms(50)),
+        f"query_after_{frames}_frames_wall_ms": _ms(query.percentile_ms(50, wall=True)),
+        f"state_after_{frames}_frames_mb": round(deep_bytes(mapper) / 1e6, 2),
+        "instances": len(mapper.instances(InstancesRequest()).instances),
+    }, times
+
+
+def _started() -> Mapper:
+    mapper = Mapper(MapperSettings())
+    mapper.exploration(Exploration(episode=EPISODE, state="started"))
+    return mapper
+
+
+def measure_long(scene: str, recording: Path, frames: int) -> dict[str, Figure]:
+    """Merge many small frames of two detections; memory and times of each tenth."""
+    pairs = Endless(scene_of(scene, recording), LONG_DETECTIONS, LONG_PX)
+    mapper, figures = _started(), dict[str, Figure]()
+    tenth = max(1, frames // 10)
+    for part in range(10):
+        times = Times()
+        for number in range(part * tenth, (part + 1) * tenth):
+            _timed(mapper, pairs.make(number), times)
+        done = (part + 1) * tenth
+        figures[f"speed/mapper/long/state_after_{done}_frames_mb"] = round(
+            deep_bytes(mapper) / 1e6, 2
+        )
+        median_s = float(np.median(times.cpu_s))
+        figures[f"speed/mapper/long/frame_p50_up_to_{done}_ms"] = _ms(median_s * 1000)
+    return figures
 
 
 def _baseline(pairs: Endless, ours: Times, frames: int) -> dict[str, Figure]:
@@ -125,109 +179,23 @@ def _baseline(pairs: Endless, ours: Times, frames: int) -> dict[str, Figure]:
         times.add(time.process_time() - started[0], time.perf_counter() - started[1])
     ratio = sum(times.cpu_s[WARM_UP:]) / sum(ours.cpu_s[WARM_UP:frames])
     return {
-        "speed/conceptgraphs_like/frames": frames,
-        "speed/conceptgraphs_like/frame_300_p50_ms": _ms(times.percentile_ms(50)),
-        "speed/conceptgraphs_like/frame_300_p99_ms": _ms(times.percentile_ms(99)),
-        "speed/mapper/ratio_to_conceptgraphs_like": round(ratio, 2),
+        "conceptgraphs_like_frames": frames,
+        "conceptgraphs_like_frame_300_p50_ms": _ms(times.percentile_ms(50)),
+        "conceptgraphs_like_frame_300_p99_ms": _ms(times.percentile_ms(99)),
+        "ratio_to_conceptgraphs_like": round(ratio, 2),
     }
 
 
-def _large(room: Room, frames: int) -> dict[str, Figure]:
+def _large(pairs: Endless, frames: int) -> dict[str, Figure]:
     """Return the times at 640x480 with 20 detections a frame."""
-    pairs = Endless(room, LARGE_DETECTIONS, LARGE_PX)
-    mapper, times = Mapper(MapperSettings()), Times()
-    mapper.exploration(room.start())
+    mapper, times = _started(), Times()
     for number in range(frames):
         _timed(mapper, pairs.make(number), times)
     return {
-        "speed/mapper/frame_640_p50_ms": _ms(times.percentile_ms(50)),
-        "speed/mapper/frame_640_p99_ms": _ms(times.percentile_ms(99)),
-        "speed/mapper/frame_640_p50_wall_ms": _ms(times.percentile_ms(50, wall=True)),
+        "frame_640_p50_ms": _ms(times.percentile_ms(50)),
+        "frame_640_p99_ms": _ms(times.percentile_ms(99)),
+        "frame_640_p50_wall_ms": _ms(times.percentile_ms(50, wall=True)),
     }
-
-
-class Endless:
-    """Makes any number of distinct frames out of a room.
-
-    Args:
-        detections: as many in every frame. Frames that show more lose some by a seeded choice;
-            frames that show fewer get detections of other frames, as false positives.
-        size_px: (height, width) to which the images are scaled and cut; None: as recorded.
-    """
-
-    def __init__(self, room: Room, detections: int, size_px: tuple[int, int] | None = None) -> None:
-        self._room, self._detections, self._size_px = room, detections, size_px
-        self._language = Language()
-        self._round, self._graphs = -1, list[FrameGraphs]()
-
-    def make(self, number: int) -> Pair:
-        """Return frame ``number``; the same number gives the same frame."""
-        count = len(self._room.depths)
-        if number // count != self._round:
-            self._round = number // count
-            self._graphs = self._language.graphs(
-                self._room, ERROR_MODELS["cs+sd+fn"], seed=self._round
-            )
-        rng = np.random.default_rng([number, self._detections])
-        view = number % count
-        graphs = self._graphs[view]
-        boxes = self._chosen(graphs, rng)
-        depth = _moved(self._room.depths[view], number, rng)
-        graphs = msgspec.structs.replace(graphs, frame=number, detections=boxes)
-        return (depth, graphs) if self._size_px is None else scaled(depth, graphs, self._size_px)
-
-    def _chosen(self, graphs: FrameGraphs, rng: np.random.Generator) -> list[GraphBox]:
-        own = list(graphs.detections)
-        while len(own) < self._detections:
-            other = self._graphs[int(rng.integers(len(self._graphs)))].detections
-            own += [other[int(rng.integers(len(other)))]] if other else []
-        kept = sorted(rng.permutation(len(own))[: self._detections])
-        return [own[int(k)] for k in kept]
-
-
-def _moved(depth: DepthFrame, number: int, rng: np.random.Generator) -> DepthFrame:
-    """Return the frame with a slightly other pose and depth."""
-    yaw = np.radians(rng.uniform(-TURNED_DEG, TURNED_DEG))
-    turn = np.array([[np.cos(yaw), 0, np.sin(yaw)], [0, 1, 0], [-np.sin(yaw), 0, np.cos(yaw)]])
-    rotation = turn @ depth.pose.matrix()
-    x, y, z = depth.pose.position_m
-    dx, dz = rng.uniform(-MOVED_M, MOVED_M, 2)
-    pose = Pose(
-        position_m=[x + float(dx), y, z + float(dz)],
-        rotation=[float(value) for value in rotation.ravel()],
-        world=depth.pose.world,
-    )
-    share = 1 + float(rng.uniform(-DEPTH_SHARE, DEPTH_SHARE))
-    data = (depth.data * share).astype(depth.data.dtype)
-    return msgspec.structs.replace(depth, frame=number, pose=pose, data=data)
-
-
-def scaled(depth: DepthFrame, graphs: FrameGraphs, size_px: tuple[int, int]) -> Pair:
-    """Return a frame scaled to the width and cut to the height of ``size_px``."""
-    height, width = size_px
-    factor = width / depth.width_px
-    top = (depth.height_px * factor - height) / 2
-    rows = np.minimum(((np.arange(height) + top) / factor).astype(int), depth.height_px - 1)
-    columns = (np.arange(width) / factor).astype(int)
-    lens = depth.intrinsics
-    boxes = []
-    for box in graphs.detections:
-        left, upper, right, lower = (value * factor for value in box.box_px)
-        upper, lower = max(0.0, upper - top), min(float(height), lower - top)
-        if lower - upper < 1:  # outside of what is left of the image: at its border instead
-            upper, lower = 0.0, max(8.0, lower - upper)
-        boxes.append(msgspec.structs.replace(box, box_px=[left, upper, right, lower]))
-    image = msgspec.structs.replace(
-        depth,
-        height_px=height,
-        width_px=width,
-        intrinsics=Intrinsics(lens.fx * factor, lens.fy * factor, lens.cx * factor,
-                              lens.cy * factor - top),
-        data=np.ascontiguousarray(depth.data[np.ix_(rows, columns)]),
-    )  # fmt: skip
-    return image, msgspec.structs.replace(
-        graphs, height_px=height, width_px=width, detections=boxes
-    )
 
 
 def _timed(mapper: Mapper, pair: Pair, times: Times) -> None:

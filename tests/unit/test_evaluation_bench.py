@@ -8,21 +8,22 @@ import numpy as np
 import pytest
 
 import doro_sim_feeder
-from doro_evaluation.chain import Room, load_room
-from doro_evaluation.mapper_bench import Endless, deep_bytes, measure
+from doro_evaluation.mapper_bench import deep_bytes, measure, measure_long, wanted
+from doro_evaluation.mapper_scenes import EPISODE, Endless, Scene, scene_of
+from doro_schemas.errors import Refused
 from doro_schemas.messages import DepthFrame
 
 SAMPLE = Path(doro_sim_feeder.__file__).parent / "data" / "sample-kitchen.mcap"
 
 
 @pytest.fixture(scope="module")
-def kitchen() -> Room:
-    return load_room(SAMPLE)
+def kitchen() -> Scene:
+    return scene_of("fronts", SAMPLE)
 
 
-def test_frames_are_distinct_repeat_and_have_as_many_detections(kitchen: Room) -> None:
+def test_frames_are_distinct_repeat_and_have_as_many_detections(kitchen: Scene) -> None:
     pairs = Endless(kitchen, 8)
-    count = len(kitchen.depths)
+    count = len(kitchen.rooms[0].depths)
     first, again = pairs.make(3), Endless(kitchen, 8).make(3)
     later = pairs.make(3 + count)
     assert first[1] == again[1]
@@ -34,7 +35,7 @@ def test_frames_are_distinct_repeat_and_have_as_many_detections(kitchen: Room) -
     assert {len(pairs.make(k)[1].detections) for k in range(count)} == {8}
 
 
-def test_large_frames_are_scaled_with_boxes_and_lens(kitchen: Room) -> None:
+def test_large_frames_are_scaled_with_boxes_and_lens(kitchen: Scene) -> None:
     small_depth, small = Endless(kitchen, 20).make(5)
     depth, graphs = Endless(kitchen, 20, (480, 640)).make(5)
     assert depth.data.shape == (480, 640)
@@ -58,8 +59,8 @@ def test_memory_counts_arrays_behind_views_once() -> None:
     assert deep_bytes([DepthFrame, len, np]) < 1000
 
 
-def test_all_figures_are_there(kitchen: Room) -> None:
-    figures = measure(SAMPLE, frames=60, large_frames=12)
+def test_all_figures_are_there() -> None:
+    figures = measure("fronts", SAMPLE, frames=60, large_frames=12)
     for name in (
         "frame_300_p50_ms",
         "frame_300_p99_ms",
@@ -69,5 +70,26 @@ def test_all_figures_are_there(kitchen: Room) -> None:
         "frame_640_p50_ms",
         "flatness",
     ):
-        assert float(figures[f"speed/mapper/{name}"]) > 0, name
-    assert int(figures["speed/mapper/instances"]) > 10
+        assert float(figures[f"speed/mapper/fronts/{name}"]) > 0, name
+    assert int(figures["speed/mapper/fronts/instances"]) > 10
+    assert wanted("speed/mapper/fronts/frame_300_p50_ms") == "< 2"
+    assert wanted("speed/mapper/frame_300_early_p50_ms") == ""
+
+
+def test_only_views_that_show_enough_are_taken_where_nothing_is_filled_up(kitchen: Scene) -> None:
+    rooms = (kitchen.rooms[0],)
+    pairs = Endless(Scene(rooms, False, "cs+sd"), 8)
+    shown = [len(one.detections) for one in rooms[0].detections]
+    assert pairs.views == sum(count >= 8 for count in shown) < len(shown)
+    for number in range(pairs.views):
+        depth, graphs = pairs.make(number)
+        assert len(graphs.detections) <= 8
+        assert depth.episode == graphs.episode == EPISODE
+    with pytest.raises(Refused, match="no view of the scene shows 99 things"):
+        Endless(Scene(rooms, False, "gt"), 99)
+
+
+def test_memory_of_a_long_run_is_told_at_each_tenth() -> None:
+    figures = measure_long("fronts", SAMPLE, 100)
+    assert len([name for name in figures if "/state_after_" in name]) == 10
+    assert float(figures["speed/mapper/long/state_after_100_frames_mb"]) > 0
