@@ -2,8 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 from doro_mapper.settings import MapperSettings
 
+DETECTED, FALSE = 0.6, 0.02
+"""How often a thing in view is detected, and how often something is where nothing is."""
+PRIOR = math.log(9.0)
+"""Of ten tracks that a detector opens, one is a thing."""
+LEAST_PROBABILITY = 0.8
 LEAST_CERTAIN = 0.5
 GONE_MISSES = 10
 GONE_CHANCE = 1e-8
@@ -11,20 +18,36 @@ GONE_EMPTY = 5
 MOST_RATE = 0.9
 
 
+def probability(hits: int, misses: int) -> float:
+    """Return the probability that a thing exists, from the views that saw it and those that
+    should have and did not."""
+    odds = hits * math.log(DETECTED / FALSE) + misses * math.log((1 - DETECTED) / (1 - FALSE))
+    return 1 / (1 + math.exp(-max(-30.0, min(30.0, odds - PRIOR))))
+
+
 def enough(
-    hits: int, misses: int, views: int, settings: MapperSettings, doubt: float = 0.0
+    counted: tuple[int, int],
+    views: int,
+    settings: MapperSettings,
+    doubt: float = 0.0,
+    singles: bool = False,
 ) -> bool:
     """Tell whether hits against misses make an instance (study, point 7).
 
     Args:
+        counted: hits and misses.
         views: frames merged so far.
         doubt: how many of the hits are wrong by the detector's own calibrated scores.
+        singles: what one view saw, and no other should have seen, is believed.
     """
+    hits, misses = counted
     certain = hits - doubt
     if hits < settings.min_hit_share * (hits + misses):
         return False
-    alone = hits >= 1 and misses == 0 and views < settings.few_views
-    return certain >= settings.min_hits or (alone and certain >= LEAST_CERTAIN)
+    if certain >= settings.min_hits:
+        return hits == 1 or probability(hits, misses) >= LEAST_PROBABILITY
+    alone = hits >= 1 and misses == 0 and (singles or views < settings.few_views)
+    return alone and certain >= LEAST_CERTAIN
 
 
 def has_gone(hits: int, misses: int, telling: int, run: int, empty_run: int) -> bool:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from doro_mapper.boxes import covered
-from doro_mapper.items import Item
+from doro_mapper.items import FURNITURE_M, Item
 from doro_mapper.table import Ints, TrackTable
 from doro_mapper.views import Bools, Floats, Views
 
@@ -17,6 +17,9 @@ EXPLAINED_SHARE = 0.6
 PRUNE_SHARE = 0.7
 PRUNE_COVER = 0.5
 PRUNE_RATIO = 3.0
+PART_COVER, PART_RATIO = 0.6, 8.0
+"""Of furniture often a part alone has been measured, a chair's back over a table: it lies well
+inside of the boxes of the whole."""
 
 
 class Explanations:
@@ -70,7 +73,10 @@ class Explanations:
         high = np.array([other.high_m for other in others])
         cover, ratio, shows = self._projected(own[view], low[which], high[which], slots[view])
         fits: Bools = np.zeros(free.shape, dtype=bool)
-        fits[free] = shows & (cover >= PRUNE_COVER) & (ratio < PRUNE_RATIO)
+        alike = (cover >= PRUNE_COVER) & (ratio < PRUNE_RATIO)
+        if float((item.outer_high_m - item.outer_low_m).max()) >= FURNITURE_M:
+            alike |= (cover >= PART_COVER) & (ratio > 1) & (ratio < PART_RATIO)
+        fits[free] = shows & alike
         read = fits.any(axis=1)
         if read.mean() < PRUNE_SHARE:
             return None

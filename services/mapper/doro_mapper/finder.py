@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from doro_mapper.existence import probability
 from doro_mapper.projection import Measured
 from doro_mapper.views import Camera, Floats
 from doro_schemas.graph import ObjectGraph
@@ -24,8 +25,6 @@ FULL_AREA_SHARE = 4000 / 90000
 GRAPH_MISMATCH = 2.0
 """Factor on the distance between things whose attributes contradict each other."""
 NEVER = 99.0
-DETECTED, FALSE = 0.6, 0.02
-"""How often a thing in view is detected, and how often something is where nothing is."""
 Look = tuple[str, dict[str, str]]
 """Class, and value by attribute type."""
 
@@ -108,13 +107,7 @@ class Found:
     @property
     def confidence(self) -> float:
         """Probability that it exists, from hits and misses alone."""
-        odds = self.hits * math.log(DETECTED / FALSE)
-        odds += self.misses * math.log((1 - DETECTED) / (1 - FALSE))
-        return 1 / (1 + math.exp(-max(-30.0, min(30.0, odds - PRIOR))))
-
-
-PRIOR = math.log(9.0)
-"""Of ten tracks that a detector opens, one is a thing."""
+        return probability(self.hits, self.misses)
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,15 +7,54 @@ the number of pieces that noise has broken off in all the time before.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from doro_mapper.items import Group, item_of
 from doro_mapper.table import KEPT, WITH_POINTS, Ints, TrackTable
 from doro_mapper.views import Bools
+from doro_mapper.votes import Votes
 
+PIECE_RATIO, READ_RATIO = 5, 10
+"""How many times the views of a piece, or of a track that was told to be views of others, the main
+track has before it takes it in for good: what looks like one thing early may be two."""
 KEPT_FIELDS = (
     "kept_priority", "kept_place", "kept_weight", "kept_area", "kept_border", "kept_serial",
     "kept_box",
 )  # fmt: skip
+
+
+def fold_group(table: TrackTable, votes: dict[int, Votes], group: Group) -> list[int]:
+    """Take the small pieces of a thing into its main track; return the rows that went.
+
+    The group is changed to what is left; the caller drops the rows.
+    """
+    main, item = group.main, group.item
+    gone: list[int] = []
+    left, shaping = [main], 1
+    for index, row in enumerate(item.rows[1:], start=1):
+        if table.hits[row] * PIECE_RATIO <= table.hits[main]:
+            fold(table, main, row, measured=index < item.shaping)
+            votes[main].take(votes[row])
+            gone.append(row)
+        else:
+            left.append(row)
+            shaping += index < item.shaping
+    if gone:
+        table.refresh(np.array([main]))
+        table.look_back(main)
+    read = [row for row in group.absorbed if table.hits[row] * READ_RATIO <= table.hits[main]]
+    if read and len(read) == len(group.absorbed) and group.read is not None:
+        read_as(table, main, group.read)
+        group.read = None
+    group.absorbed = [row for row in group.absorbed if row not in read]
+    if len(left) == 1:
+        group.item = item_of(main, table, votes[main])
+    elif gone:
+        hits = int(table.seen[left].any(axis=0).sum())
+        group.item = replace(item, rows=left, shaping=shaping, hits=hits)
+    return [*gone, *read]
 
 
 def fold(table: TrackTable, main: int, minor: int, *, measured: bool) -> None:

@@ -11,17 +11,18 @@ import numpy as np
 from doro_mapper.boxes import distance
 from doro_mapper.existence import enough, has_gone
 from doro_mapper.finder import Found, family
-from doro_mapper.folding import fold, read_as
+from doro_mapper.folding import fold_group
 from doro_mapper.items import MERGE_RANGE_M, PRUNE_REACH_M, Group, item_of
 from doro_mapper.merging import MERGE_FAR_GATE, Cluster
 from doro_mapper.settings import MapperSettings
+from doro_mapper.singles import Singles
 from doro_mapper.table import Ints, TrackTable
 from doro_mapper.views import Bools, Floats, Views
 from doro_mapper.votes import Votes, merged
 
 GROWTH = 1.25
 FOLD_HITS = 3
-"""A thing with a track of so many views takes its other tracks in for good."""
+"""A thing with a track of so many views takes small pieces in for good."""
 LABEL_GATE = 0.5
 LABEL_REACH = 0.35
 MOVED_M = 0.02
@@ -59,6 +60,7 @@ class Groups:
         self._cache: dict[int, Found] = {}
         self._former: dict[int, list[str]] = {}
         self._unfolded: dict[int, None] = {}
+        self._singles = Singles()
 
     def is_loose(self, row: int) -> bool:
         """Tell whether a row stands for itself alone and has no id."""
@@ -88,7 +90,7 @@ class Groups:
         return self._fold()
 
     def _fold(self) -> list[int]:
-        """Make one track of the tracks of things that are well seen."""
+        """Take small pieces into the main tracks of things that are well seen."""
         table, gone = self._table, []
         for main in sorted(self._unfolded):
             group = self._groups.get(main)
@@ -96,18 +98,9 @@ class Groups:
                 continue
             if any(self._head[row] != self._head[main] for row in group.item.rows):
                 continue  # a flickering label: the other name needs its track to be found by
-            for index, row in enumerate(group.item.rows[1:], start=1):
-                fold(table, main, row, measured=index < group.item.shaping)
-                self._votes[main].take(self._votes[row])
-            if len(group.item.rows) > 1:
-                table.refresh(np.array([main]))
-                table.look_back(main)
-            if group.read is not None:
-                read_as(table, main, group.read)
-            minor = [*group.item.rows[1:], *group.absorbed]
+            minor = fold_group(table, self._votes, group)
             self._inherit(main, minor)
             gone += minor
-            self._keep(Group(item_of(main, table, self._votes[main]), None, []))
         self._unfolded.clear()
         return gone
 
@@ -218,6 +211,7 @@ class Groups:
 
     def drop(self, row: int) -> None:
         """Forget a track that is about to go; its group falls apart."""
+        self._singles.drop(self._table, row)
         self._grow()  # a track may go in the frame that opened it
         self._near[row] = self._near[:, row] = False
         self._placed_m[row] = np.inf
@@ -247,13 +241,15 @@ class Groups:
         misses = int((expected & ~seen).sum()) + int(table.old_misses[rows[0]])
         return int(seen.sum()) + older, misses
 
-    def _doubt(self, group: Group) -> float:
-        return sum(self._votes[row].doubt for row in group.item.rows)
+    def _enough(self, group: Group, counted: tuple[int, int]) -> bool:
+        doubt = sum(self._votes[row].doubt for row in group.item.rows)
+        return enough(counted, self._views.total, self._settings, doubt, self._singles.trusted)
 
     def _number(self) -> None:
         """Give ids to things that now count as instances, in order of their first track."""
         table, least = self._table, self._settings.min_hits
-        able = (table.hits[: table.n] >= least).tolist()
+        self._singles.judge(table, self._groups)
+        able = (table.hits[: table.n] >= (1 if self._singles.trusted else least)).tolist()
         long = self._views.total >= self._settings.few_views
         for main in sorted(main for main in self._groups if main not in self._ids):
             group = self._groups[main]
@@ -262,8 +258,7 @@ class Groups:
                 continue
             if any(row in self._ids for row in rows):
                 continue
-            doubt = self._doubt(group)
-            if enough(*self._counted(group), self._views.total, self._settings, doubt):
+            if self._enough(group, self._counted(group)):
                 name = self._votes[main].look()[0].replace(" ", "-")
                 self._counts[name] = self._counts.get(name, 0) + 1
                 self._ids[main] = f"{name}-{self._counts[name]}"
@@ -291,9 +286,7 @@ class Groups:
         if known is None or known.version != (hits, misses, total, changes, *rows):
             known = self._built(group, hits, misses, (hits, misses, total, changes, *rows))
             self._cache[group.main] = known
-        known.tentative = not known.instance_id or not enough(
-            hits, misses, self._views.total, self._settings, self._doubt(group)
-        )
+        known.tentative = not known.instance_id or not self._enough(group, (hits, misses))
         run, empty = min(runs[row] for row in rows), min(empties[row] for row in rows)
         known.gone = has_gone(hits, misses, run if known.small else 0, run, empty)
         return known

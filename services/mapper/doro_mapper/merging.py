@@ -36,6 +36,9 @@ MERGE_FAR_GATE = 2.0
 TOGETHER_SHARE = 0.1
 """Tracks seen together in more of the smaller one's frames are different things."""
 COMMON_VIEWS = 3
+MIXED_GATE, MIXED_VIEWS, MIXED_SHARE = 1.0, 5, 0.3
+"""Pieces of one thing that took a view or two of a neighbour's. Of the views that should have seen
+both, two things are seen together in nearly all."""
 MERGED_KEPT = 64
 LABEL_HITS = 2
 LABEL_VIEWS = 4
@@ -138,13 +141,16 @@ class Cluster:
 
     def _may_merge(self, larger: Item, smaller: Item, gap: float, together: int) -> bool | None:
         """Return None for no; else whether the smaller one's geometry is taken over."""
-        if together > TOGETHER_SHARE * min(larger.hits, smaller.hits):
+        common = int(np.count_nonzero(larger.expected & smaller.expected))
+        mixed = gap < MIXED_GATE and common >= MIXED_VIEWS and together <= MIXED_SHARE * common
+        if together > TOGETHER_SHARE * min(larger.hits, smaller.hits) and not mixed:
             return None
         if gap < MERGE_GATE:
             return True
         if not agree(larger, smaller):
             return None
-        if gap < MERGE_FAR_GATE and self._never_both(larger, smaller, together):
+        never_both = common >= COMMON_VIEWS and together <= TOGETHER_SHARE * common
+        if mixed or (gap < MERGE_FAR_GATE and never_both):
             return True
         return self._part_of(larger, smaller) if together == 0 else None
 
@@ -154,11 +160,6 @@ class Cluster:
             return True
         part = in_reach(larger, smaller) and self._explained.explains(larger, smaller)
         return False if part else None
-
-    def _never_both(self, larger: Item, smaller: Item, together: int) -> bool:
-        """Tell whether views that should have seen two things hardly ever saw both."""
-        common = int(np.count_nonzero(larger.expected & smaller.expected))
-        return common >= COMMON_VIEWS and together <= TOGETHER_SHARE * common
 
     def _cut_off(self, larger: Item, smaller: Item) -> bool:
         """Tell whether one is a corner of the other: next to it, seen seldom and cut off only."""
@@ -236,4 +237,5 @@ class Cluster:
 def _worth_asking(gaps: Floats, parts: Bools, together: Floats, least_hits: Ints) -> Bools:
     """Tell for which pairs the rules of merging may say yes: what can be told all at once."""
     near = (gaps < MERGE_GATE) | (parts & ((gaps < MERGE_FAR_GATE) | (together == 0)))
-    return np.asarray(near & (gaps < NEVER / 2) & (together <= TOGETHER_SHARE * least_hits))
+    apart = (together <= TOGETHER_SHARE * least_hits) | (gaps < MIXED_GATE)
+    return np.asarray(near & (gaps < NEVER / 2) & apart)

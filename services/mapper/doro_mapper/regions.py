@@ -162,7 +162,7 @@ class RegionFinder:
         expected = should_see(self._views, shape.center[0], size, area, points)
         seen = self._views.slots(sorted({one.sighting.serial for one in members}))
         misses = len(np.setdiff1d(expected, seen))
-        if not enough(len(seen), misses, self._views.total, self._settings):
+        if not enough((len(seen), misses), self._views.total, self._settings):
             return None
         votes = Votes()
         for one in members:
