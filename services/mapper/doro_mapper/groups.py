@@ -142,13 +142,15 @@ class Groups:
         table = self._table
         boxes, others = table.boxes(changed), table.boxes(rows)
         gaps = distance(boxes, others, np.full(len(changed), MERGE_RANGE_M))
-        apart = np.linalg.norm(boxes.center_m[:, None] - others.center_m[None], axis=2)
+        off = boxes.center_m[:, None] - others.center_m[None]
+        apart = np.sqrt((off * off).sum(axis=2))
         size, other = table.size_m(changed), table.size_m(rows)
         self._placed_m[changed] = np.column_stack([boxes.center_m, size])
         reach = PRUNE_REACH_M + 2 * np.maximum(size[:, None], other[None])
         for row in changed.tolist():
             self._head[row] = family(self._votes[row].look()[0])
-        heads = np.array([self._head[row] for row in rows.tolist()])
+        codes: dict[str, int] = {}
+        heads = np.array([codes.setdefault(self._head[row], len(codes)) for row in rows.tolist()])
         same = heads[np.searchsorted(rows, changed), None] == heads[None]
         near = same & ((gaps < MERGE_FAR_GATE) | (apart <= reach))
         near |= (gaps < LABEL_GATE) & (

@@ -12,6 +12,8 @@ from doro_mapper.views import Bools, Floats
 Ints = NDArray[np.int64]
 
 QUANTILE = 0.2
+SHARES = np.array([0.5] * 3 + [QUANTILE] * 3 + [1 - QUANTILE] * 3)
+MEDIANS = np.array([0.5] * 6)
 FEW = 3
 NOISE_M = 0.01
 """Standard deviation of a measurement that no number of views averages away."""
@@ -29,14 +31,20 @@ class Geometry:
     spread_m2: Floats
 
 
-def _quantile(ordered: Floats, count: Ints, share: float) -> Floats:
-    """Return quantiles (n, k) with linear interpolation of sorted (n, k, m), inf-padded."""
-    place = share * (count - 1)
+def _quantiles(ordered: Floats, count: Ints, share: Floats) -> Floats:
+    """Return quantiles (n, k) with linear interpolation of sorted (n, k, m), inf-padded.
+
+    Args:
+        count: (n,) values that are there.
+        share: (k,) of each column.
+    """
+    last = (count - 1)[:, None]
+    place = share * last
     below = place.astype(np.int64)
-    above = np.minimum(below + 1, count - 1)
-    row = np.arange(len(ordered))
-    first, second = ordered[row, :, below], ordered[row, :, above]
-    return np.asarray(first + (place - below)[:, None] * (second - first))
+    row, column = np.arange(len(ordered))[:, None], np.arange(len(share))
+    first = ordered[row, column, below]
+    second = ordered[row, column, np.minimum(below + 1, last)]
+    return np.asarray(first + (place - below) * (second - first))
 
 
 def robust_geometry(place: Floats, weight: Floats, border: Bools, valid: Bools) -> Geometry:
@@ -58,23 +66,23 @@ def robust_geometry(place: Floats, weight: Floats, border: Bools, valid: Bools) 
     own = place.transpose(0, 2, 1).copy()
     ordered = np.where(valid[:, None], own[:, :9], np.inf)
     ordered.sort(axis=2)
-    middle = _quantile(ordered[:, :3], count, 0.5)
+    middle, lower, upper = np.split(_quantiles(ordered, count, SHARES), 3, axis=1)
     off = own[:, :3] - middle[:, :, None]
     away = np.sqrt(off[:, 0] ** 2 + off[:, 1] ** 2 + off[:, 2] ** 2)
-    scale = _quantile(np.sort(np.where(valid, away, np.inf))[:, None], count, 0.5) + 0.02
+    scale = _quantiles(np.sort(np.where(valid, away, np.inf))[:, None], count, SHARES[:1]) + 0.02
     robust = weight * np.exp(-0.5 * np.minimum(away / (2 * scale), 6) ** 2) + 1e-9
     weight = np.where(valid, np.where(few, weight, robust), 0.0)
     weight = weight / weight.sum(axis=1, keepdims=True)
     own *= valid[:, None]
     mean = (own[:, :9] @ weight[:, :, None])[:, :, 0]
-    low = np.where(few, mean[:, 3:6], _quantile(ordered[:, 3:6], count, QUANTILE))
-    high = np.where(few, mean[:, 6:9], _quantile(ordered[:, 6:9], count, 1 - QUANTILE))
+    low = np.where(few, mean[:, 3:6], lower)
+    high = np.where(few, mean[:, 6:9], upper)
     center = np.where(few, mean[:, :3], 0.5 * mean[:, :3] + 0.25 * (low + high))
     whole = valid & ~border
     whole |= valid & ~whole.any(axis=1, keepdims=True)
     shown = np.where(whole[:, None], own[:, 9:], np.inf)
     shown.sort(axis=2)
-    outer = _quantile(shown, whole.sum(axis=1), 0.5)
+    outer = _quantiles(shown, whole.sum(axis=1), MEDIANS)
     off = (own[:, :3] - mean[:, :3, None]) * valid[:, None]
     spread = (off * weight[:, None]) @ off.transpose(0, 2, 1)
     effective = 1 / np.maximum((weight**2).sum(axis=1), 1e-12)
