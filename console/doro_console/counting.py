@@ -84,9 +84,11 @@ def ensure_set(options: Options, name: str, part: str, seed: int = 7) -> Path:
 
     folder = options.folder or options.out / name
     rows = [row for row in plan_all(seed) if row.part in PARTS.get(part, (part,))]
-    there = sum((folder / f"{row.name}.mcap").is_file() for row in rows)
-    if not rows or (options.folder is not None and there):
+    wanted = PARTS.get(part, (part,))
+    own = [path for path in folder.glob("*.mcap") if path.stem.split("-FloorPlan")[0] in wanted]
+    if not rows or (options.folder is not None and own):
         return folder
+    there = sum((folder / f"{row.name}.mcap").is_file() for row in rows)
     if there < len(rows):
         talk.print(f"{there} of {len(rows)} recordings in {folder}: rendering", markup=False)
     made = []

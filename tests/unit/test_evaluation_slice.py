@@ -15,6 +15,7 @@ from click.testing import CliRunner
 
 import doro_sim_feeder
 from doro_console.__main__ import main
+from doro_console.references import write_references
 from doro_evaluation.chain import ERROR_MODELS, Language, Room, count_instances, load_room
 from doro_evaluation.conceptgraphs import count_like_conceptgraphs
 from doro_evaluation.counting import measure
@@ -35,6 +36,7 @@ from doro_evaluation.runs import (
 from doro_mapper.settings import MapperSettings
 from doro_schemas.errors import Refused
 from doro_sim_feeder.recording import TRUTH, write_recording
+from doro_sim_feeder.rooms.make_set import MANIFEST, RoomTruth
 
 DATA = Path(doro_sim_feeder.__file__).parent / "data"
 MISSING = [
@@ -190,3 +192,41 @@ def test_what_is_not_there_is_refused(tmp_path: Path) -> None:
 
 def _gap(a: Thing, b: Thing) -> float:
     return float(sum((x - y) ** 2 for x, y in zip(a.center_m, b.center_m, strict=True)) ** 0.5)
+
+
+@pytest.fixture(scope="module")
+def test_set(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the two recordings as test rooms, with their instructions."""
+    path = tmp_path_factory.mktemp("set")
+    for recording in recordings_of(folder, "validation"):
+        room = load_room(Path(recording.path))
+        name = recording.name.replace("validation", "default")
+        truth = RoomTruth(
+            episode=name, spec="", sha256="", views=0, cells=0, size_bytes=0, missing=(),
+            instances=room.truth,
+        )  # fmt: skip
+        (path / f"{name}.mcap").write_bytes(Path(recording.path).read_bytes())
+        sample = Path(recording.path).with_suffix(".truth.json")
+        if sample.is_file():
+            (path / f"{name}.truth.json").write_bytes(sample.read_bytes())
+        write_references(path, truth)
+    (path / MANIFEST).write_text('{"recordings": []}')  # nothing to render pictures from
+    return path
+
+
+@needs_render
+def test_everything_twice_gives_the_same_figures(test_set: Path, tmp_path: Path) -> None:
+    figures = []
+    for out in ("one", "two"):
+        places = ["--set", str(test_set), "--out", str(tmp_path / out)]
+        options = ["--workers", "1", "--pairs", "12", "--tables", "counting,queries"]
+        done = CliRunner().invoke(main, ["eval", "all", *options, *places])
+        assert done.exit_code == 0, done.output
+        figures.append((tmp_path / out / "figures.json").read_bytes())
+        assert "Table IV" in (tmp_path / out / "report.html").read_text()
+    assert figures[0] == figures[1]
+    found = json.loads(figures[0])["figures"]
+    assert found["multi-view/ours/pairs"] == found["single-view/paper_literal/pairs"] == 12
+    for name in ("counting/ours/all/average/f1", "counting/paper_literal/gt/mae"):
+        assert found[f"{name}_low"] <= found[name] <= found[f"{name}_high"]
+    assert found["multi-view/ours/qa"] > found["multi-view/paper_literal/qa"]
