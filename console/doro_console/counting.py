@@ -83,10 +83,12 @@ def ensure_set(options: Options, name: str, part: str, seed: int = 7) -> Path:
     from doro_sim_feeder.rooms.more_sets import plan_all
 
     folder = options.folder or options.out / name
-    rows = [row for row in plan_all(seed) if row.part in PARTS.get(part, (part,))]
     wanted = PARTS.get(part, (part,))
     own = [path for path in folder.glob("*.mcap") if path.stem.split("-FloorPlan")[0] in wanted]
-    if not rows or (options.folder is not None and own):
+    if options.folder is not None and own:
+        return folder
+    rows = [row for row in plan_all(seed) if row.part in wanted]
+    if not rows:
         return folder
     there = sum((folder / f"{row.name}.mcap").is_file() for row in rows)
     if there < len(rows):
