@@ -21,7 +21,6 @@ LOOKING = click.Choice(["captioner", "coco", "onnx"])
 FOLDER = click.Path(path_type=Path, file_okay=False)
 FILE = click.Path(path_type=Path, dir_okay=False)
 LOW_SCORE = 0.02
-SINGLE_FRAME_SCORE = 0.5
 CHAINED = {
     "F1": "perception_counting/{}/average/f1",
     "exact": "perception_counting/{}/accuracy",
@@ -139,16 +138,24 @@ def _counted(common: Common, backend: str, rooms: int, views: int) -> dict[str, 
     """Return the counting figures of rendered test rooms, and print them."""
     from rich.progress import track
 
-    from doro_evaluation.perception_chain import SYSTEMS, figures_of, outcomes, render, test_rows
+    from doro_evaluation.perception_chain import (
+        FUSED_SCORE,
+        SYSTEMS,
+        figures_of,
+        outcomes,
+        render,
+        test_rows,
+    )
     from doro_perception.backends import make_backend
     from doro_perception.stages import Stages
 
     settings = _settings(common, backend, relations=False)
+    settings = msgspec.structs.replace(settings, captioner_threshold=FUSED_SCORE)
     detector = make_backend(settings, Stages())
     assert detector is not None
     found: list[Chained] = []
     for row in track(test_rows(rooms), "rooms", console=talk, transient=True):
-        found += outcomes(render(row, views), detector, settings, SINGLE_FRAME_SCORE)
+        found += outcomes(render(row, views), detector, settings)
     figures = figures_of(found)
     table = Table("", *CHAINED, title=f"end to end, {rooms} test rooms")
     for system in SYSTEMS:
