@@ -23,10 +23,8 @@ from doro_mapper.votes import Votes, merged
 GROWTH = 1.25
 FOLD_HITS = 3
 """A thing with a track of so many views takes small pieces in for good."""
-LABEL_GATE = 0.5
-LABEL_REACH = 0.35
-MOVED_M = 0.02
-MOVED_SHARE = 0.05
+LABEL_GATE, LABEL_REACH = 0.5, 0.35
+MOVED_M, MOVED_SHARE = 0.02, 0.05
 MAX_LOST = 256
 COUNTED = ("hits", "misses", "version", "run", "empty_run")
 MAX_FORMER = 8
@@ -220,17 +218,20 @@ class Groups:
         self._judged_hits[row] = 0
         group = self._groups.pop(self._group_of.pop(row, -1), None)
         names = [self._ids.pop(row)] if row in self._ids else []
-        for name in (*names, *self._former.pop(row, [])):
-            self._lost[name] = None
-            while len(self._lost) > MAX_LOST:
-                del self._lost[next(iter(self._lost))]
+        self._lost.update(dict.fromkeys([*names, *self._former.pop(row, [])]))
+        for name in list(self._lost)[:-MAX_LOST]:
+            del self._lost[name]
         if group is not None:
             for other in (*group.item.rows, *group.absorbed):
                 self._group_of.pop(other, None)
                 self._judged_hits[other] = 0
         self._cache.pop(row, None)
 
-    def _counted(self, group: Group) -> tuple[int, int]:
+    def things(self) -> list[Group]:
+        """Return all groups in order of their main tracks."""
+        return [self._groups[main] for main in sorted(self._groups)]
+
+    def counted(self, group: Group) -> tuple[int, int]:
         """Return (hits, misses) of a group as of now."""
         table, rows = self._table, group.item.rows
         if len(rows) == 1 and group.read is None:
@@ -249,18 +250,18 @@ class Groups:
 
     def _number(self) -> None:
         """Give ids to things that now count as instances, in order of their first track."""
-        table, least = self._table, self._settings.min_hits
+        table = self._table
         self._singles.judge(table, self._groups)
-        able = (table.hits[: table.n] >= (1 if self._singles.trusted else least)).tolist()
+        least = 1 if self._singles.trusted else self._settings.min_hits
+        able = (table.hits[: table.n] >= least).tolist()
         long = self._views.total >= self._settings.few_views
         for main in sorted(main for main in self._groups if main not in self._ids):
             group = self._groups[main]
             rows = group.item.rows
-            if long and len(rows) == 1 and group.read is None and not able[main]:
+            seldom = long and len(rows) == 1 and group.read is None and not able[main]
+            if seldom or any(row in self._ids for row in rows):
                 continue
-            if any(row in self._ids for row in rows):
-                continue
-            if self._enough(group, self._counted(group)):
+            if self._enough(group, self.counted(group)):
                 name = self._votes[main].look()[0].replace(" ", "-")
                 self._counts[name] = self._counts.get(name, 0) + 1
                 self._ids[main] = f"{name}-{self._counts[name]}"
@@ -273,7 +274,7 @@ class Groups:
         """Return all instances, tentative and gone ones included, in order of their tracks."""
         t = self._table
         columns = {name: getattr(t, name)[: t.n].tolist() for name in COUNTED}
-        return [self._found(self._groups[main], columns) for main in sorted(self._groups)]
+        return [self._found(group, columns) for group in self.things()]
 
     def _found(self, group: Group, columns: dict[str, list[int]]) -> Found:
         """Return one instance; ``columns`` of the table."""
@@ -282,7 +283,7 @@ class Groups:
         if len(rows) == 1 and group.read is None:
             hits, misses = hit[rows[0]], missed[rows[0]]
         else:
-            hits, misses = self._counted(group)
+            hits, misses = self.counted(group)
         total, changes = sum(hit[row] for row in rows), sum(version[row] for row in rows)
         known = self._cache.get(group.main)
         if known is None or known.version != (hits, misses, total, changes, *rows):

@@ -21,10 +21,11 @@ from doro_mapper.finder import (
     names_agree,
 )
 from doro_mapper.groups import Groups
+from doro_mapper.items import Group
 from doro_mapper.settings import MapperSettings
 from doro_mapper.table import Ints, TrackTable, priority
 from doro_mapper.views import SIGHT_M, Camera, Floats, Views
-from doro_mapper.votes import Votes
+from doro_mapper.votes import Votes, merged_look
 
 GATE = 1.0
 REPROJECTED_SHARE = 0.5
@@ -200,24 +201,28 @@ class TrackFinder:
         return self._groups.lost()
 
     def tracks(self) -> list[TrackSummary]:
-        """Return all tracks, in order of their rows."""
-        return [self._summary(row) for row in self._table.rows.tolist()]
+        """Return what the tracks stand for, in order of their main tracks."""
+        return [self._summary(group) for group in self._groups.things()]
 
-    def _summary(self, row: int) -> TrackSummary:
-        table, votes = self._table, self._votes[row]
-        name, attributes = votes.look()
-        slots = np.flatnonzero(table.seen[row])
+    def _summary(self, group: Group) -> TrackSummary:
+        table, item, row = self._table, group.item, group.main
+        rows = [*item.rows, *group.absorbed]
+        votes = [self._votes[one] for one in item.rows]
+        name, attributes = votes[0].look() if len(votes) == 1 else merged_look(votes)
+        alone = len(item.rows) == 1
+        slots = np.flatnonzero(table.seen[rows].any(axis=0))
+        hits, misses = self._groups.counted(group)
         return TrackSummary(
             key=(row, int(table.birth[row])),
             name=name,
             attributes=attributes,
-            related=bool(votes.stated),
-            center_m=table.center_m[row].copy(),
-            low_m=table.low_m[row].copy(),
-            high_m=table.high_m[row].copy(),
-            hits=int(table.hits[row]),
-            misses=int(table.misses[row]),
-            spread_m=float(np.sqrt(np.trace(table.spread_m2[row]))),
+            related=any(vote.stated for vote in votes),
+            center_m=(table.center_m[row] if alone else item.center_m).copy(),
+            low_m=(table.low_m[row] if alone else item.low_m).copy(),
+            high_m=(table.high_m[row] if alone else item.high_m).copy(),
+            hits=hits,
+            misses=misses,
+            spread_m=float(np.sqrt(np.trace(table.spread_m2[row] if alone else item.spread_m2))),
             serials=self._views.serials(slots),
         )
 
