@@ -50,6 +50,10 @@ class Explanations:
             self._known[id(larger), id(smaller)] = part >= EXPLAINED_SHARE
             self._kept += [larger, smaller]  # an id means something as long as the item lives
 
+    def knows(self, larger: Item, smaller: Item) -> bool:
+        """Tell whether :meth:`explains` was worked out already."""
+        return (id(larger), id(smaller)) in self._known
+
     def explains(self, larger: Item, smaller: Item) -> bool:
         """Tell whether most views of the smaller one lie where the larger one projects to."""
         key = id(larger), id(smaller)

@@ -112,7 +112,8 @@ def gaps_between(items: list[Item], others: list[Item]) -> tuple[Floats, Bools]:
     """
     a, b = _boxes(items), _boxes(others)
     there = distance(a, b, np.full(len(items), MERGE_RANGE_M))
-    back = distance(b, a, np.full(len(others), MERGE_RANGE_M)).T
+    same = others is items
+    back = there.T if same else distance(b, a, np.full(len(others), MERGE_RANGE_M)).T
     factors = _factors(items, others)
     apart = np.linalg.norm(a.center_m[:, None] - b.center_m[None], axis=2)
     reach = np.maximum(_reach_m(a)[:, None], _reach_m(b)[None])

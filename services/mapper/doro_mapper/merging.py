@@ -62,6 +62,7 @@ class Cluster:
         self._views = views
         self._votes = votes
         self._explained = Explanations(table, views)
+        self._unasked: tuple[list[int], list[int]] = [], []
         items = [item_of(row, table, votes[row]) for row in rows]
         self.items = sorted(items, key=lambda item: -item.hits)
 
@@ -95,13 +96,9 @@ class Cluster:
         """Return the closest pair that may be merged, larger first, and whether its geometry is
         shared; close what may not be."""
         first, second = np.nonzero(np.triu(open_, 1))
-        self._explained.ask(
-            [
-                self._by_hits(i, j)
-                for i, j in zip(first.tolist(), second.tolist(), strict=True)
-                if gaps[i, j] >= MERGE_GATE and together[i, j] == 0
-            ]
-        )
+        # Worked out together, once the first of them has to be known.
+        asked = (gaps[first, second] >= MERGE_GATE) & (together[first, second] == 0)
+        self._unasked = first[asked].tolist(), second[asked].tolist()
         for k in np.argsort(gaps[first, second], kind="stable").tolist():
             i, j = int(first[k]), int(second[k])
             if self.items[j].hits > self.items[i].hits:
@@ -158,8 +155,12 @@ class Cluster:
         """Tell the same of two things that were never seen together."""
         if one_above(larger, smaller) or self._cut_off(larger, smaller):
             return True
-        part = in_reach(larger, smaller) and self._explained.explains(larger, smaller)
-        return False if part else None
+        if not in_reach(larger, smaller):
+            return None
+        if not self._explained.knows(larger, smaller):
+            pairs = zip(*self._unasked, strict=True)
+            self._explained.ask([self._by_hits(i, j) for i, j in pairs])
+        return False if self._explained.explains(larger, smaller) else None
 
     def _cut_off(self, larger: Item, smaller: Item) -> bool:
         """Tell whether one is a corner of the other: next to it, seen seldom and cut off only."""
