@@ -42,9 +42,12 @@ def enough(
     """
     hits, misses = counted
     certain = hits - doubt
-    if hits < settings.min_hit_share * (hits + misses):
+    least, share = float(settings.min_hits), settings.min_hit_share
+    if doubt > 0:
+        least, share = settings.min_certain, settings.min_certain_share
+    if hits < share * (hits + misses):
         return False
-    if certain >= settings.min_hits:
+    if certain >= least:
         return hits == 1 or probability(hits, misses) >= LEAST_PROBABILITY
     alone = hits >= 1 and misses == 0 and (singles or views < settings.few_views)
     return alone and certain >= LEAST_CERTAIN

@@ -56,6 +56,8 @@ class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
             ``rank`` as meant.
         min_hits: views that make an instance.
         min_hit_share: least hits / (hits + misses) of an instance.
+        min_certain, min_certain_share: the same two for what a detector reports that gives class
+            distributions and errs; each view counts by its score.
         few_views: below so many frames one view without a miss makes an instance.
         max_evidence: views listed per instance.
         relation_share: share of its views in which a captioned relation must occur.
@@ -87,6 +89,8 @@ class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
     literal_index: Literal["id", "rank"] = "id"
     min_hits: int = 2
     min_hit_share: float = 0.25
+    min_certain: float = 3.0
+    min_certain_share: float = 0.4
     few_views: int = 40
     max_evidence: int = 5
     relation_share: float = 0.3
