@@ -1,0 +1,76 @@
+"""What one view alone saw, and how little may speak for a thing."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from mapper_scene import Frame, Seen, Thing, messages, observe, room, shoot, table, walk
+
+from doro_mapper.core import Mapper
+from doro_mapper.existence import enough, probability
+from doro_mapper.settings import MapperSettings
+from doro_mapper.singles import believed
+from doro_schemas.camera import pose_from_ai2thor
+from doro_schemas.graph import ObjectGraph
+from doro_schemas.messages import InstancesRequest
+
+VASE = Thing("vase", (0.0, 0.1, 2.3), (0.12, 0.2, 0.12), {"color": "blue"})
+"""By the wall: seen from nearby, too small from the other side of the room."""
+MUG = Thing("mug", (0.0, 0.8, 0.0), (0.09, 0.10, 0.09), {"color": "red"})
+
+
+@pytest.fixture(scope="module")
+def observed() -> list[Frame]:
+    things = [*room(), table((0, 0)), MUG, VASE]
+    near = observe(things, pose_from_ai2thor((0.0, 1.2, 1.4), 0.0, 30.0))
+    frames = [
+        replace(frame, seen=[seen for seen in frame.seen if things[seen.thing] is not VASE])
+        for frame in shoot(things, walk(23, 1, radius_m=1.5))
+    ]
+    assert any(things[seen.thing] is VASE for seen in near.seen)
+    return [*frames, near]
+
+
+def counts(frames: list[Frame]) -> Counter[str]:
+    mapper = Mapper(MapperSettings(few_views=10))
+    for depth, graphs in messages(frames):
+        mapper.depth_frame(depth)
+        mapper.frame_graphs(graphs)
+    return Counter(one.graph.name for one in mapper.instances(InstancesRequest()).instances)
+
+
+def test_what_one_view_saw_counts_where_the_detector_is_hardly_ever_wrong(
+    observed: list[Frame],
+) -> None:
+    assert counts(observed) == Counter({"dining table": 1, "mug": 1, "vase": 1})
+
+
+def test_it_does_not_where_views_refute_such_things(observed: list[Frame]) -> None:
+    wrong = list(observed)
+    for number, name in enumerate(("bowl", "pot", "pan", "apple", "book")):
+        false = Seen((110.0, 120.0, 190.0, 190.0), ObjectGraph(name, {}), -1)
+        frame = wrong[3 * number]
+        wrong[3 * number] = replace(frame, seen=[*frame.seen, false])
+    assert counts(wrong) == Counter({"dining table": 1, "mug": 1})
+
+
+def test_the_refuted_stand_for_those_that_no_view_could_refute() -> None:
+    assert believed(0, 1)
+    assert not believed(1, 1)
+    assert believed(1, 2)
+    assert not believed(10, 10)
+
+
+@pytest.mark.parametrize(
+    ("hits", "misses", "counted"), [(2, 0, True), (2, 3, True), (2, 5, False), (9, 30, False)]
+)
+def test_a_thing_must_be_likely(hits: int, misses: int, counted: bool) -> None:
+    assert enough((hits, misses), 100, MapperSettings()) is counted
+    assert np.isclose(probability(hits, misses), 1 - 1 / (1 + _odds(hits, misses)))
+
+
+def _odds(hits: int, misses: int) -> float:
+    return float((0.6 / 0.02) ** hits * (0.4 / 0.98) ** misses / 9)
