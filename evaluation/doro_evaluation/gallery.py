@@ -25,6 +25,7 @@ from doro_schemas.errors import Refused
 
 COUNTED, ASKED = 12, 8
 MOST_VIEWS = 2
+LEAST_SPAN_M = 2.0
 LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
 
@@ -173,6 +174,9 @@ def draw_above(axis: Axes, failure: Failure) -> None:
             axis.add_patch(_footprint(one, style))
     axis.margins(0.15)
     axis.autoscale_view()
+    for low, high, limit in ((*axis.get_xlim(), axis.set_xlim), (*axis.get_ylim(), axis.set_ylim)):
+        more = max(0.0, LEAST_SPAN_M - (high - low)) / 2
+        limit(low - more, high + more)
     axis.set_aspect("equal", adjustable="datalim")
     axis.tick_params(labelsize=6)
     axis.set_xlabel("x, m", fontsize=7)
