@@ -10,7 +10,10 @@ import pytest
 from click.testing import CliRunner
 
 from doro_console.__main__ import main
+from doro_evaluation.outcomes import Outcome, Thing
 from doro_evaluation.perception import NAMES, figures_of, measure, real, truth_of
+from doro_evaluation.perception_chain import Chained, by_class
+from doro_evaluation.perception_chain import figures_of as chain_figures
 from doro_evaluation.perception_frames import UNNAMED_KIND, Labels, label, write_shard
 from doro_evaluation.perception_scatter import scattered
 from doro_evaluation.perception_speed import measure_speed
@@ -127,3 +130,24 @@ def test_the_commands_are_there() -> None:
     result = CliRunner().invoke(main, ["eval", "perception", "--help"])
     assert result.exit_code == 0
     assert "--chain" in result.output
+
+
+def thing(kind: str, x_m: float) -> Thing:
+    return Thing(object_type=kind, center_m=(x_m, 0.0, 0.0), size_m=(0.1, 0.1, 0.1), views=5)
+
+
+def test_counts_by_class_pair_what_lies_close() -> None:
+    outcome = Outcome(
+        recording="r",
+        room="FloorPlan1",
+        part="test",
+        system="fused",
+        errors="captioner",
+        frames=3,
+        truth=(thing("Cup", 0.0), thing("Cup", 2.0), thing("Bowl", 1.0)),
+        found=(thing("Cup", 0.1), thing("Cup", 5.0), thing("Vase", 1.0)),
+    )
+    assert by_class([outcome, outcome]) == {"Bowl": (2, 0, 0), "Cup": (4, 4, 2), "Vase": (0, 2, 0)}
+    figures = chain_figures([Chained(outcome, ())])
+    assert figures["perception_counting/fused/class/Cup/matched"] == 1
+    assert "perception_counting/oracle/accuracy" not in figures
