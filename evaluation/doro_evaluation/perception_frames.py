@@ -12,6 +12,7 @@ UNNAMED_KIND for a thing without a name, -1 for a thing that is neither taught n
 from __future__ import annotations
 
 import argparse
+import signal
 import sys
 import time
 from collections.abc import Iterator
@@ -256,6 +257,11 @@ def write_shard(
     return len(rows)
 
 
+def _out_of_time(_number: int, _frame: object) -> None:
+    """Stop a room whose copies find no place for a long time."""
+    raise TimeoutError("it took more than --most-s of CPU time")
+
+
 def main() -> None:
     """Render shards: ``python -m doro_evaluation.perception_frames --out DIR``; resumable."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -264,8 +270,10 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, nargs="+", default=[1])
     parser.add_argument("--frames", type=int, default=40, help="per room and seed")
     parser.add_argument("--plain", action="store_true", help="as the evaluation renders")
+    parser.add_argument("--most-s", type=float, default=0, help="of CPU time for a room; 0: any")
     parser.add_argument("--share", default="0/1", help="k/n: every n-th room from the k-th on")
     arguments = parser.parse_args()
+    signal.signal(signal.SIGVTALRM, _out_of_time)
     arguments.out.mkdir(parents=True, exist_ok=True)
     first, step = (int(word) for word in arguments.share.split("/"))
     for seed in arguments.seeds:
@@ -276,11 +284,14 @@ def main() -> None:
                 continue
             start = time.monotonic()
             frames = frames_of(room, seed, arguments.frames, dress=not arguments.plain)
+            signal.setitimer(signal.ITIMER_VIRTUAL, arguments.most_s)
             try:
                 count = write_shard(path, frames, plain=arguments.plain)
-            except ValueError as error:
+            except (ValueError, TimeoutError) as error:
                 print(f"{room} seed {seed}: left out, {error}", file=sys.stderr)
                 continue
+            finally:
+                signal.setitimer(signal.ITIMER_VIRTUAL, 0)
             print(f"{path.name}: {count} frames, {time.monotonic() - start:.0f} s", flush=True)
 
 
