@@ -88,6 +88,8 @@ def test_twins_are_counted(nlu: Nlu) -> None:
     text = f"I found two identical red cups on top of the dining table, and one blue cup{SUFFIX}"
     assert judged(nlu, text, [RED, TWIN, BLUE]).fault == ""
     assert judged(nlu, text.replace("two", "three"), [RED, TWIN, BLUE]).fault == "instances"
+    sides = "two identical red cups, one on the left and one on the right as I saw them"
+    assert judged(nlu, f"I found {sides}{SUFFIX}", [RED, TWIN]).fault == ""
 
 
 def test_a_mismatch_says_what_differs(nlu: Nlu) -> None:
