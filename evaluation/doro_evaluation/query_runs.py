@@ -27,7 +27,14 @@ OWN_FILES = ("judge.py", "queries.py")
 SIMILARITY_FILES = ("bertscore.py", "data/minilm/vocabulary.json")
 BASELINE_FILES = tuple(
     f"baseline/{name}"
-    for name in ("configurations.py", "examples.py", "judging.py", "model.py", "reading.py", "text.py")
+    for name in (
+        "configurations.py",
+        "examples.py",
+        "judging.py",
+        "model.py",
+        "reading.py",
+        "text.py",
+    )
 )
 
 
