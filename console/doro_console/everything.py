@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 
 FINDERS = ("tracks", "paper_literal")
 TABLES = ("counting", "queries", "ablations", "tagging", "speed")
+LIVE = "live"
+"""Of ``doro eval live --json OUT/figures/live.json``, where that was run."""
 FIGURES = "figures.json"
 Found = dict[str, Figure]
 
@@ -191,7 +193,7 @@ def _report(asked: Everything, publish: Path | None) -> None:
 
     options = asked.options
     figures: Found = {}
-    for name in TABLES:
+    for name in (*TABLES, LIVE):
         if _place(options, name).is_file():
             figures |= read_figures(_place(options, name))
     command = _command(asked, ",".join(TABLES))

@@ -177,7 +177,7 @@ def draw_above(axis: Axes, failure: Failure) -> None:
     for low, high, limit in ((*axis.get_xlim(), axis.set_xlim), (*axis.get_ylim(), axis.set_ylim)):
         more = max(0.0, LEAST_SPAN_M - (high - low)) / 2
         limit(low - more, high + more)
-    axis.set_aspect("equal", adjustable="datalim")
+    axis.set_aspect("equal", adjustable="box")
     axis.tick_params(labelsize=6)
     axis.set_xlabel("x, m", fontsize=7)
     axis.set_ylabel("z, m", fontsize=7)

@@ -27,8 +27,8 @@ img { max-width: 100%; } figure { margin: 1rem 0; } figcaption { color: #555; fo
 .pictures img { height: 270px; }
 """
 LEGEND = (
-    "From above: true instances are filled, with a letter and the number of views that show them;"
-    " found ones are outlined in red. In the views the letters stand on the same instances."
+    "From above: true instances are filled, with a letter; found ones are outlined in red. In the"
+    " views the letters stand on the same instances."
 )
 
 

@@ -55,7 +55,7 @@ def f1_by_count(figures: Figures) -> bytes:
             axis.plot(COUNTS, printed, ".--", color=COLORS["the paper"], label="the paper")
         axis.set(title=ERRORS[errors], xlabel="true count", xticks=COUNTS, ylim=(-0.02, 1.03))
     axes[0].set_ylabel("F1")
-    axes[0].legend(loc="lower left", fontsize=8)
+    _legend(plot, axes[0])
     return _png(plot)
 
 
@@ -106,7 +106,7 @@ def found_by_views(figures: Figures) -> bytes:
         axis.set_xticks(range(len(BINS)), labels, fontsize=8)
         axis.set(title=ERRORS[errors], xlabel="views that show it", ylim=(-0.02, 1.03))
     axes[0].set_ylabel("found")
-    axes[0].legend(loc="center right", fontsize=8)
+    _legend(plot, axes[0])
     return _png(plot)
 
 
@@ -122,6 +122,12 @@ def _line(
     spans = np.maximum(0, [values - low, high - values])
     where = [x for x, _ in there]
     axis.errorbar(where, values, spans, fmt="o-", color=COLORS[system], capsize=2, label=system)
+
+
+def _legend(plot: Plot, axis: Axes) -> None:
+    """Write who is who above all panels, where it covers nothing."""
+    lines, names = axis.get_legend_handles_labels()
+    plot.legend(lines, names, loc="outside upper center", ncols=len(names), fontsize=8)
 
 
 def _png(plot: Plot) -> bytes:
