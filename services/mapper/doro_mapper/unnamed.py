@@ -15,7 +15,7 @@ from doro_mapper.projection import Measured
 from doro_mapper.views import Camera, Floats, moved_points
 
 MOST_SEEN = 2000
-LEAST_VIEWS = 2
+LEAST_VIEWS = 3
 NEAR_M, NEAR_SHARE, NAMED_M = 0.15, 0.4, 0.1
 PART_SHARE = 0.4
 """What is in a much larger thing lies on or in it and is no part of it."""
@@ -56,7 +56,7 @@ class UnnamedPlaces:
                 seen.center_m = moved_points(seen.center_m, old, new)
 
     def places(self, found: list[Found]) -> list[Place]:
-        """Return the places that two views or more showed, most views first.
+        """Return the places that three views or more showed, most views first.
 
         Args:
             found: things that have a name, tentative ones among them; what lies inside of one
