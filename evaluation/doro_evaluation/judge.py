@@ -112,7 +112,7 @@ class Truth(msgspec.Struct, frozen=True):
                 own = graph_with(said.name, [fact])
                 if match(own, self.graphs[object_id]).verdict != "holds":
                     return f"{fact.type}: {fact.value}"
-        if match(ObjectGraph(said.name), self.graphs[object_id]).verdict != "holds":
+        if not name_satisfies(said.name, self.graphs[object_id].name):
             return f"name: {said.name}"
         item = next(one for one in self.items if one.object_id == object_id)
         for relation in said.relations:

@@ -116,6 +116,11 @@ def test_a_relation_that_the_truth_does_not_list_counts_when_the_boxes_say_so() 
 LAMP_GRAPH = ObjectGraph("desk lamp")
 
 
+def test_another_name_is_not_true_of_a_thing() -> None:
+    assert TRUTH.untrue(ObjectGraph("cup"), "Cup|1") == ""
+    assert TRUTH.untrue(ObjectGraph("plate"), "Cup|1") == "name: plate"
+
+
 def test_a_landmark_of_another_color_is_not_the_one() -> None:
     on_black = Relation("is-on", ObjectGraph("dining table", {"color": "black"}))
     assert not TRUTH.holds(ObjectGraph("cup", {}, [on_black]), "Cup|1")
