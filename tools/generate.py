@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from doro_evaluation.headline import read_figures, with_headline
+from doro_evaluation.report.headline import read_figures, with_headline
 from doro_schemas import codec, topics
 from doro_schemas.jsonschemas import write_all
 from tools.examples import examples

@@ -17,17 +17,17 @@ from doro_console.counting import (
 from doro_console.options import says_refusals
 
 if TYPE_CHECKING:
-    from doro_evaluation.ablations import AblationResult
+    from doro_evaluation.counting.ablations import AblationResult
 
 WIDE = 230
 
 
 def run_ablations(options: Options, most: int) -> list[AblationResult]:
     """Run counting and queries with each part left out, behind a progress bar."""
-    from doro_evaluation.ablations import ABLATIONS, ERRORS, QUERY_ERRORS, AblationResult
-    from doro_evaluation.counting_report import grouped
-    from doro_evaluation.pairs import select_pairs
-    from doro_evaluation.query_runs import jobs_of, run_queries
+    from doro_evaluation.counting.ablations import ABLATIONS, ERRORS, QUERY_ERRORS, AblationResult
+    from doro_evaluation.counting.report import grouped
+    from doro_evaluation.queries.pairs import select_pairs
+    from doro_evaluation.queries.runs import jobs_of, run_queries
     from doro_evaluation.runs import Job, recordings_of, run_jobs, spread
 
     folder = ensure_set(options, "set", "paper")
@@ -60,7 +60,7 @@ def run_ablations(options: Options, most: int) -> list[AblationResult]:
 @says_refusals
 def ablations(options: Options, most: int) -> None:
     """Counting and queries with parts of the mapper left out: mask, cannot-link, ..."""
-    from doro_evaluation.ablations import figures_of, table_of
+    from doro_evaluation.counting.ablations import figures_of, table_of
     from doro_evaluation.figures import write_figures
 
     results = run_ablations(options, most)

@@ -18,7 +18,7 @@ from rich.table import Table
 from doro_console.conversation import Conversation
 from doro_console.options import sample_recording, talk
 from doro_console.processes import free_port
-from doro_evaluation.dialogue_bench import (
+from doro_evaluation.bench.dialogue import (
     TARGETS_MS,
     core_times_ms,
     instructions,

@@ -35,9 +35,9 @@ def bench_mapper(
     long_frames: int,
 ) -> None:
     """Merge 2,000 frames of 8 detections a scene on one thread; CPU time, wall clock beside it."""
+    from doro_evaluation.bench.mapper import run_bench, run_long, wanted
+    from doro_evaluation.bench.mapper_scenes import SCENES
     from doro_evaluation.figures import write_figures
-    from doro_evaluation.mapper_bench import run_bench, run_long, wanted
-    from doro_evaluation.mapper_scenes import SCENES
 
     with talk.status("merging frames"), sample_recording() as sample:
         if long_frames:

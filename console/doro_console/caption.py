@@ -14,7 +14,7 @@ from rich.table import Table
 from doro_console.options import Common, common_options, says_refusals, talk
 
 if TYPE_CHECKING:
-    from doro_evaluation.perception_chain import Chained
+    from doro_evaluation.perception.chain import Chained
     from doro_perception.settings import PerceptionSettings
 
 LOOKING = click.Choice(["captioner", "coco", "onnx"])
@@ -105,7 +105,7 @@ def _core(settings: PerceptionSettings) -> Any:
 
 def _listed(path: Path, settings: PerceptionSettings) -> None:
     """Print what the map holds after a recording; write a sheet of pictures beside the JSON."""
-    from doro_evaluation.perception_walk import draw_sheet, listed, map_of
+    from doro_evaluation.perception.walk import draw_sheet, listed, map_of
     from doro_perception.backends import make_backend
     from doro_perception.stages import Stages
     from doro_sim_feeder.recording import Recording
@@ -125,7 +125,7 @@ def _timed(settings: PerceptionSettings) -> dict[str, Any]:
     """Return the captioner's times, and print them."""
     import numpy as np
 
-    from doro_evaluation.perception_speed import measure_speed
+    from doro_evaluation.perception.speed import measure_speed
 
     image = np.random.default_rng(7).integers(0, 256, (300, 300, 3), np.uint8)
     figures = measure_speed([image], settings)
@@ -138,7 +138,7 @@ def _counted(common: Common, backend: str, rooms: int, views: int) -> dict[str, 
     """Return the counting figures of rendered test rooms, and print them."""
     from rich.progress import track
 
-    from doro_evaluation.perception_chain import (
+    from doro_evaluation.perception.chain import (
         FUSED_SCORE,
         SYSTEMS,
         figures_of,
@@ -201,8 +201,8 @@ def perception(
 ) -> None:
     """Boxes, names, colours and materials on rooms never trained on, and on real frames."""
     from doro_evaluation.figures import write_figures
-    from doro_evaluation.perception import figures_of, measure, real, rendered
-    from doro_evaluation.perception_plot import draw_reliability
+    from doro_evaluation.perception.measure import figures_of, measure, real, rendered
+    from doro_evaluation.perception.plot import draw_reliability
     from doro_perception.backends import make_backend
     from doro_perception.captioner import Captioner
     from doro_perception.stages import Stages

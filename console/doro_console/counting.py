@@ -165,9 +165,9 @@ def counting(
     failures_path: Path | None,
 ) -> None:
     """Count instances in rendered rooms under detector errors (paper, Table II)."""
-    from doro_evaluation import counting_report as report
+    from doro_evaluation.counting import report
+    from doro_evaluation.counting.reasons import figures_of as cause_figures
     from doro_evaluation.figures import write_figures
-    from doro_evaluation.reasons import figures_of as cause_figures
     from doro_evaluation.runs import Job, error_names, recordings_of, spread
 
     folder = ensure_set(options, "set", part)
@@ -205,8 +205,8 @@ def counting(
 @says_refusals
 def chairs(options: Options, part: str, errors: str, finders: str) -> None:
     """Four identical chairs round a table: in how many of ten rooms are four counted?"""
-    from doro_evaluation.chairs import figures_of, table_of
-    from doro_evaluation.counting_report import grouped
+    from doro_evaluation.counting.chairs import figures_of, table_of
+    from doro_evaluation.counting.report import grouped
     from doro_evaluation.figures import write_figures
     from doro_evaluation.runs import Job, error_names, recordings_of
 
@@ -233,9 +233,9 @@ def stacks(
     options: Options, part: str, errors: str, most: int | None, failures_path: Path | None
 ) -> None:
     """Piles of 2 to 4 things: counted once, with the right chain of is-on and is-at?"""
+    from doro_evaluation.counting.stacks import figures_of, run_stacks, table_of, write_failures
     from doro_evaluation.figures import write_figures
     from doro_evaluation.runs import error_names, recordings_of, spread
-    from doro_evaluation.stacks import figures_of, run_stacks, table_of, write_failures
 
     every = recordings_of(ensure_set(options, part, part), part)
     found, names = spread(every, most), error_names(errors)
@@ -255,8 +255,8 @@ def stacks(
 
 def run_shuffle(found: Sequence[Recorded], context: Context, orders: int, options: Options) -> None:
     """Compare shuffled orders of the views with the recorded one, print and write figures."""
+    from doro_evaluation.counting.order import compare_orders, figures_of, table_of
     from doro_evaluation.figures import write_figures
-    from doro_evaluation.order import compare_orders, figures_of, table_of
 
     results = []
     with progress_bar() as progress:

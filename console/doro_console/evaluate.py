@@ -43,9 +43,9 @@ def tagging(
 
     The generated sentences are of templates that no training used.
     """
-    from doro_evaluation import tagging_speed
     from doro_evaluation.figures import write_figures
-    from doro_evaluation.tagging import (
+    from doro_evaluation.tagging import speed as tagging_speed
+    from doro_evaluation.tagging.labels import (
         SHIPPED,
         figures_of,
         interval_figures,
@@ -54,7 +54,7 @@ def tagging(
         score,
         table_of,
     )
-    from doro_evaluation.tagging import test_sets as make_sets
+    from doro_evaluation.tagging.labels import test_sets as make_sets
 
     out = Console(width=None if sys.stdout.isatty() else 120)
     taggers, sets = load_taggers(bert_base), make_sets(seed, gold)

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from doro_evaluation.context import Recorded
     from doro_evaluation.outcomes import Outcome
-    from doro_evaluation.queries import QueryOutcome
+    from doro_evaluation.queries.systems import QueryOutcome
 
 FINDERS = ("tracks", "paper_literal")
 TABLES = ("counting", "queries", "ablations", "tagging", "speed")
@@ -58,7 +58,7 @@ class Everything(msgspec.Struct, frozen=True, kw_only=True):
 
 def count(asked: Everything) -> dict[tuple[str, str], list[Outcome]]:
     """Run counting under all error models, ours and the paper's literal method."""
-    from doro_evaluation.counting_report import grouped
+    from doro_evaluation.counting.report import grouped
     from doro_evaluation.runs import Job, error_names, recordings_of
 
     options = asked.options
@@ -70,8 +70,8 @@ def count(asked: Everything) -> dict[tuple[str, str], list[Outcome]]:
 
 
 def _counting(asked: Everything) -> Found:
-    from doro_evaluation import counting_report
-    from doro_evaluation.reasons import figures_of as cause_figures
+    from doro_evaluation.counting import report as counting_report
+    from doro_evaluation.counting.reasons import figures_of as cause_figures
 
     by_run = count(asked)
     for table in counting_report.tables_of(by_run):
@@ -80,8 +80,8 @@ def _counting(asked: Everything) -> Found:
 
 
 def _queries(asked: Everything) -> Found:
-    from doro_evaluation import query_report
-    from doro_evaluation.query_runs import missing_baseline
+    from doro_evaluation.queries import tables as query_report
+    from doro_evaluation.queries.runs import missing_baseline
 
     scores = query_report.score_all(ask(asked))
     for table in query_report.tables_of(scores, missing_baseline()):
@@ -95,7 +95,7 @@ def ask(asked: Everything) -> list[QueryOutcome]:
 
 
 def _ablations(asked: Everything) -> Found:
-    from doro_evaluation.ablations import RECORDINGS, figures_of, table_of
+    from doro_evaluation.counting.ablations import RECORDINGS, figures_of, table_of
 
     results = run_ablations(asked.options, min(asked.most or RECORDINGS, RECORDINGS))
     show(table_of(results), 230)
@@ -103,7 +103,7 @@ def _ablations(asked: Everything) -> Found:
 
 
 def _tagging(_: Everything) -> Found:
-    from doro_evaluation.tagging import (
+    from doro_evaluation.tagging.labels import (
         figures_of,
         interval_figures,
         intervals,
@@ -187,9 +187,9 @@ def _command(asked: Everything, tables: str) -> str:
 
 def _report(asked: Everything, publish: Path | None) -> None:
     """Write page, Markdown, plots and all figures."""
-    from doro_evaluation.headline import read_figures
-    from doro_evaluation.query_runs import missing_baseline
-    from doro_evaluation.report import Report, write_report
+    from doro_evaluation.queries.runs import missing_baseline
+    from doro_evaluation.report.headline import read_figures
+    from doro_evaluation.report.write import Report, write_report
 
     options = asked.options
     figures: Found = {}

@@ -16,7 +16,7 @@ from doro_console.options import says_refusals
 
 if TYPE_CHECKING:
     from doro_evaluation.context import Context
-    from doro_evaluation.live import Compared
+    from doro_evaluation.queries.live import Compared
 
 
 def compare_live(
@@ -24,7 +24,7 @@ def compare_live(
 ) -> Iterator[Compared]:
     """Yield each (recording, instruction), in order of recordings, asked in both ways."""
     from doro_evaluation.chain import ERROR_MODELS, Language
-    from doro_evaluation.live import Compared, InProcess, differences
+    from doro_evaluation.queries.live import Compared, InProcess, differences
     from doro_schemas.detector_errors import ErrorModels, read_pool
     from doro_sim_feeder.play import Player, PlaySettings
     from doro_sim_feeder.recording import Recording
@@ -56,8 +56,8 @@ def compare_live(
 def live(options: Options, count: int, errors: str) -> None:
     """Pairs through the services over Zenoh: the same query as in process?"""
     from doro_evaluation.figures import write_figures
-    from doro_evaluation.live import figures_of
-    from doro_evaluation.pairs import select_pairs
+    from doro_evaluation.queries.live import figures_of
+    from doro_evaluation.queries.pairs import select_pairs
     from doro_evaluation.runs import error_names, recordings_of, spread
 
     folder = ensure_set(options, "set", "paper")

@@ -38,8 +38,8 @@ def planning(
     """Count after a part of the views: the planner's choice, recorded and random order."""
     from doro_evaluation.chain import ERROR_MODELS
     from doro_evaluation.figures import write_figures
-    from doro_evaluation.planning import PlanningContext, Point, run_planning
-    from doro_evaluation.planning_report import figures_of, plot, table_of
+    from doro_evaluation.planning.curve import PlanningContext, Point, run_planning
+    from doro_evaluation.planning.report import figures_of, plot, table_of
     from doro_evaluation.runs import recordings_of, spread
 
     if errors not in ERROR_MODELS:

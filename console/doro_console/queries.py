@@ -22,7 +22,7 @@ from doro_console.counting import (
 from doro_console.options import says_refusals
 
 if TYPE_CHECKING:
-    from doro_evaluation.queries import QueryOutcome
+    from doro_evaluation.queries.systems import QueryOutcome
 
 ERRORS = "cs+sd+fn"
 SYSTEMS = "ours,paper_literal,baseline"
@@ -69,8 +69,8 @@ def pair_options(command: Callable[..., None]) -> Callable[..., None]:
 
 def run_pairs(options: Options, chosen: PairOptions) -> list[QueryOutcome]:
     """Run the pairs through the systems behind a progress bar."""
-    from doro_evaluation.pairs import select_pairs
-    from doro_evaluation.query_runs import jobs_of, run_queries
+    from doro_evaluation.queries.pairs import select_pairs
+    from doro_evaluation.queries.runs import jobs_of, run_queries
     from doro_evaluation.runs import error_names, recordings_of, spread
 
     part = "paper" if chosen.part == "test" else chosen.part
@@ -97,9 +97,9 @@ def run_tables(
     name: str, tables: Sequence[str], options: Options, chosen: PairOptions
 ) -> dict[str, Any]:
     """Run, print tables, write figures and cases; return the figures."""
-    from doro_evaluation import query_report as report
     from doro_evaluation.figures import write_figures
-    from doro_evaluation.query_runs import missing_baseline
+    from doro_evaluation.queries import tables as report
+    from doro_evaluation.queries.runs import missing_baseline
 
     outcomes = run_pairs(options, chosen)
     outcomes = [one for one in outcomes if report.row_of(one.view, one.system)[0] in tables]

@@ -18,10 +18,11 @@ from doro_evaluation.figures import Figure
 
 def run_speed(options: Options, most: int, taggers: bool = True) -> dict[str, Figure]:
     """Time the stages on some recordings and the taggers beside bert-base; print tables."""
-    from doro_evaluation import speed, tagging_speed
-    from doro_evaluation.pairs import select_pairs
+    from doro_evaluation.bench import speed
+    from doro_evaluation.queries.pairs import select_pairs
     from doro_evaluation.runs import recordings_of, spread
-    from doro_evaluation.tagging import SHIPPED, load_taggers
+    from doro_evaluation.tagging import speed as tagging_speed
+    from doro_evaluation.tagging.labels import SHIPPED, load_taggers
 
     folder = ensure_set(options, "set", "paper")
     every = recordings_of(folder, "paper")

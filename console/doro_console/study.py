@@ -56,10 +56,10 @@ def make(
     With --design one, a participant sees each scene with one of its queries, in turns; with
     all, with every one.
     """
-    from doro_evaluation.study import key_path, write_key
-    from doro_evaluation.study_make import make_study
-    from doro_evaluation.study_scenes import scenes_of
-    from doro_evaluation.study_systems import Asker, check_systems, read_queries
+    from doro_evaluation.study.files import key_path, write_key
+    from doro_evaluation.study.make import make_study
+    from doro_evaluation.study.scenes import scenes_of
+    from doro_evaluation.study.systems import Asker, check_systems, read_queries
     from doro_nlu.core import Nlu
     from doro_nlu.settings import NluSettings
 
@@ -111,9 +111,9 @@ def score(
 ) -> None:
     """Score the ANSWERS that participants downloaded; PAGE is the study's HTML or its key."""
     from doro_evaluation.figures import write_figures
-    from doro_evaluation.study import read_key
-    from doro_evaluation.study_report import figures_of, item_table, report, table_of
-    from doro_evaluation.study_score import read_all, score_study
+    from doro_evaluation.study.files import read_key
+    from doro_evaluation.study.report import figures_of, item_table, report, table_of
+    from doro_evaluation.study.score import read_all, score_study
     from doro_nlu.core import Nlu
     from doro_nlu.settings import NluSettings
 

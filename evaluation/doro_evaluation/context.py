@@ -25,7 +25,7 @@ PARTS = {
 }
 """What a name stands for that is no part of a set itself."""
 DEPENDS_ON = ("doro_schemas", "doro_perception", "doro_nlu", "doro_mapper")
-OWN_FILES = ("chain.py", "outcomes.py", "conceptgraphs.py", "maps.py")
+OWN_FILES = ("chain.py", "outcomes.py", "counting/conceptgraphs.py", "maps.py")
 LEFT_OUT = ("train", "captioner")
 """Folders that no outcome depends on: training, and the detector that the oracle stands for."""
 

@@ -15,8 +15,8 @@ from typing import TypeVar
 import msgspec
 
 from doro_evaluation.chain import ERROR_MODELS, Language, Room, count_instances, load_room
-from doro_evaluation.conceptgraphs import count_like_conceptgraphs
 from doro_evaluation.context import SYSTEMS, Context, Recorded, with_finder
+from doro_evaluation.counting.conceptgraphs import count_like_conceptgraphs
 from doro_evaluation.outcomes import Outcome, Thing, found_things, true_things
 from doro_schemas.messages import FrameGraphs, Instance, Instances
 

@@ -17,14 +17,14 @@ from pathlib import Path
 import msgspec
 
 from doro_evaluation.context import Context, Recorded, code_digest, make_pool, recordings_of
-from doro_evaluation.counting_report import figures_of as counting_figures
-from doro_evaluation.counting_report import grouped
+from doro_evaluation.counting.report import figures_of as counting_figures
+from doro_evaluation.counting.report import grouped
 from doro_evaluation.maps import MappedRoom
 from doro_evaluation.outcomes import Outcome
-from doro_evaluation.pairs import Pair
-from doro_evaluation.queries import QueryOutcome, run_system
-from doro_evaluation.query_report import figures_of as query_figures
-from doro_evaluation.query_report import score_all
+from doro_evaluation.queries.pairs import Pair
+from doro_evaluation.queries.systems import QueryOutcome, run_system
+from doro_evaluation.queries.tables import figures_of as query_figures
+from doro_evaluation.queries.tables import score_all
 from doro_evaluation.runs import prepare, speak
 from doro_mapper.settings import MapperSettings
 from doro_nlu.core import Nlu

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from doro_evaluation.headline import MARKS, headline, read_figures, with_headline
+from doro_evaluation.report.headline import MARKS, headline, read_figures, with_headline
 from tools.generate import FIGURES, HEADLINE, ROOT
 
 

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from doro_evaluation.study import Asked, Check, Item, KnownInstance, Study, Unit, with_digest
+from doro_evaluation.study.files import Asked, Check, Item, KnownInstance, Study, Unit, with_digest
 from doro_schemas.graph import ObjectGraph, Relation
 from doro_schemas.messages.talk import Clause
 

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 
 from doro_console.__main__ import main
 from doro_dialogue.decision import decide
-from doro_evaluation.dialogue_bench import SAID, instructions, run_core_bench, scenes
+from doro_evaluation.bench.dialogue import SAID, instructions, run_core_bench, scenes
 
 
 def test_scenes_have_their_candidates_and_ask_as_well_as_confirm() -> None:

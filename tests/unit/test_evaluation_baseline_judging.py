@@ -6,7 +6,7 @@ import pytest
 
 from doro_evaluation.baseline.judging import judge_text
 from doro_evaluation.baseline.reading import read_query
-from doro_evaluation.judge import Truth, Verdict
+from doro_evaluation.queries.judge import Truth, Verdict
 from doro_nlu.core import Nlu
 from doro_nlu.settings import NluSettings
 from doro_schemas.graph import ObjectGraph, Relation

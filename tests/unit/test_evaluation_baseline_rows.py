@@ -12,7 +12,7 @@ from doro_evaluation.baseline.configurations import aggregated, run
 from doro_evaluation.chain import Language, Room
 from doro_evaluation.context import Context
 from doro_evaluation.maps import MappedRoom
-from doro_evaluation.pairs import Pair
+from doro_evaluation.queries.pairs import Pair
 from doro_evaluation.runs import prepare
 from doro_nlu.core import Nlu
 from doro_nlu.settings import NluSettings

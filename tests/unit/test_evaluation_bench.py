@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import doro_sim_feeder
-from doro_evaluation.mapper_bench import deep_bytes, measure, measure_long, wanted
-from doro_evaluation.mapper_scenes import EPISODE, Endless, Scene, scene_of
+from doro_evaluation.bench.mapper import deep_bytes, measure, measure_long, wanted
+from doro_evaluation.bench.mapper_scenes import EPISODE, Endless, Scene, scene_of
 from doro_schemas.errors import Refused
 from doro_schemas.messages import DepthFrame
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from doro_evaluation import bertscore
-from doro_evaluation.bertscore import MODEL, MODEL_DIR, VOCABULARY, Similarity, _f1
+from doro_evaluation.queries import bertscore
+from doro_evaluation.queries.bertscore import MODEL, MODEL_DIR, VOCABULARY, Similarity, _f1
 from doro_schemas.errors import Refused
 
 QUERY = "I found one red cup on top of the table, and one blue cup near the sink; which one?"

@@ -7,9 +7,10 @@ import itertools
 import numpy as np
 import pytest
 
-from doro_evaluation.chairs import figures_of as chair_figures
-from doro_evaluation.counting import intervals, items, measure, pairs, relevant
-from doro_evaluation.counting_report import (
+from doro_evaluation.counting.chairs import figures_of as chair_figures
+from doro_evaluation.counting.metrics import intervals, items, measure, pairs, relevant
+from doro_evaluation.counting.reasons import causes, reasons_of
+from doro_evaluation.counting.report import (
     failures_of,
     figures_of,
     grouped,
@@ -18,7 +19,6 @@ from doro_evaluation.counting_report import (
     tables_of,
 )
 from doro_evaluation.outcomes import Outcome, Thing
-from doro_evaluation.reasons import causes, reasons_of
 from doro_mapper.assignment import assign
 
 SIZE = (0.1, 0.1, 0.1)

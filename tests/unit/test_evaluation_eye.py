@@ -6,10 +6,10 @@ import json
 from collections import Counter
 from pathlib import Path
 
-from doro_evaluation.eye import described, drawn
-from doro_evaluation.judge import Verdict
-from doro_evaluation.pairs import Pair
-from doro_evaluation.queries import QueryOutcome
+from doro_evaluation.queries.eye import described, drawn
+from doro_evaluation.queries.judge import Verdict
+from doro_evaluation.queries.pairs import Pair
+from doro_evaluation.queries.systems import QueryOutcome
 from doro_schemas.graph import ObjectGraph, Relation
 
 EYE = Path(__file__).parents[2] / "evaluation" / "eye"

@@ -9,7 +9,7 @@ import pytest
 
 from doro_dialogue.decision import paper_literal
 from doro_evaluation.context import Recorded
-from doro_evaluation.queries import DECIDERS
+from doro_evaluation.queries.systems import DECIDERS
 from doro_evaluation.regression import (
     ROOMS,
     Frozen,

@@ -14,11 +14,11 @@ from doro_dialogue.decision import decide
 from doro_dialogue.facts import Candidate
 from doro_dialogue.question import compose
 from doro_evaluation.bootstrap import Score, interval
-from doro_evaluation.judge import Truth, Verdict, identify, judge
-from doro_evaluation.pairs import Pair, select_pairs
-from doro_evaluation.queries import QueryOutcome
-from doro_evaluation.scores import ambiguity_f1, bleu, score_queries, states_f1
-from doro_evaluation.tagging import intervals
+from doro_evaluation.queries.judge import Truth, Verdict, identify, judge
+from doro_evaluation.queries.pairs import Pair, select_pairs
+from doro_evaluation.queries.scores import ambiguity_f1, bleu, score_queries, states_f1
+from doro_evaluation.queries.systems import QueryOutcome
+from doro_evaluation.tagging.labels import intervals
 from doro_nlu.train.annotate import Example
 from doro_schemas.errors import Refused
 from doro_schemas.graph import ObjectGraph, Relation

@@ -8,21 +8,21 @@ from pathlib import Path
 
 import pytest
 
-from doro_evaluation.gallery import (
+from doro_evaluation.outcomes import Outcome, Thing
+from doro_evaluation.queries.judge import Verdict
+from doro_evaluation.queries.pairs import Pair
+from doro_evaluation.queries.systems import QueryOutcome
+from doro_evaluation.report.gallery import (
     Failure,
     counting_failures,
     pictured,
     query_failures,
     spread_over_causes,
 )
-from doro_evaluation.grids import grids
-from doro_evaluation.headline import MARKS, headline, read_figures, with_headline
-from doro_evaluation.judge import Verdict
-from doro_evaluation.outcomes import Outcome, Thing
-from doro_evaluation.pairs import Pair
-from doro_evaluation.plots import plots
-from doro_evaluation.queries import QueryOutcome
-from doro_evaluation.report import Report, write_report
+from doro_evaluation.report.grids import grids
+from doro_evaluation.report.headline import MARKS, headline, read_figures, with_headline
+from doro_evaluation.report.plots import plots
+from doro_evaluation.report.write import Report, write_report
 from doro_schemas.errors import Refused
 from doro_schemas.graph import ObjectGraph
 

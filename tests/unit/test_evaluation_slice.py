@@ -17,10 +17,10 @@ import doro_sim_feeder
 from doro_console.__main__ import main
 from doro_console.references import write_references
 from doro_evaluation.chain import ERROR_MODELS, Language, Room, count_instances, load_room
-from doro_evaluation.conceptgraphs import count_like_conceptgraphs
-from doro_evaluation.counting import measure
-from doro_evaluation.counting_report import figures_of, grouped
-from doro_evaluation.order import compare_order
+from doro_evaluation.counting.conceptgraphs import count_like_conceptgraphs
+from doro_evaluation.counting.metrics import measure
+from doro_evaluation.counting.order import compare_order
+from doro_evaluation.counting.report import figures_of, grouped
 from doro_evaluation.outcomes import Outcome, Thing, found_things, true_things
 from doro_evaluation.runs import (
     Context,

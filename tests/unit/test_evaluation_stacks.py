@@ -6,7 +6,7 @@ import msgspec
 import pytest
 
 from doro_evaluation.chain import Room
-from doro_evaluation.stacks import figures_of, judge_room, true_stacks, without_relations
+from doro_evaluation.counting.stacks import figures_of, judge_room, true_stacks, without_relations
 from doro_schemas.graph import ObjectGraph, Relation
 from doro_schemas.messages import FrameGraphs, GraphBox, Instance, SimDetection, SimDetections
 from doro_sim_feeder.rooms.truth import TrueInstance, TrueRelation

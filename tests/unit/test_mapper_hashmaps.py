@@ -7,7 +7,7 @@ import pytest
 from mapper_scene import LENS, SIZE_PX, Thing, messages, room, shoot, table, walk
 
 from doro_mapper.core import Mapper
-from doro_mapper.hashmaps import HashMaps
+from doro_mapper.maps.hashmaps import HashMaps
 from doro_mapper.settings import MapperSettings
 from doro_mapper.views import Views, camera_of
 from doro_schemas.camera import pose_from_ai2thor

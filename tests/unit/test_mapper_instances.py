@@ -7,9 +7,10 @@ import pytest
 from mapper_scene import Frame, Thing, messages, room, shoot, table, walk
 
 from doro_mapper.core import Mapper
-from doro_mapper.finder import Found, Sighting
+from doro_mapper.finder import Found
 from doro_mapper.relations import captioned_relations, relations_of, spatial_relations
 from doro_mapper.settings import MapperSettings
+from doro_mapper.sightings import Sighting
 from doro_mapper.votes import Votes, voted_name
 from doro_schemas.graph import ObjectGraph, Relation
 from doro_schemas.messages import Instance, InstancesRequest

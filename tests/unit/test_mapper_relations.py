@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from doro_mapper.finder import Found, Sighting
+from doro_mapper.finder import Found
 from doro_mapper.relations import captioned_relations, relations_of, spatial_relations
 from doro_mapper.settings import MapperSettings
+from doro_mapper.sightings import Sighting
 from doro_mapper.votes import Votes
 from doro_schemas.graph import ObjectGraph, Relation
 

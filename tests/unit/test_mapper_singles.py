@@ -12,7 +12,7 @@ from mapper_scene import Frame, Seen, Thing, messages, observe, room, shoot, tab
 from doro_mapper.core import Mapper
 from doro_mapper.existence import enough, probability
 from doro_mapper.settings import MapperSettings
-from doro_mapper.singles import believed
+from doro_mapper.tracks.singles import believed
 from doro_schemas.camera import pose_from_ai2thor
 from doro_schemas.graph import ObjectGraph
 from doro_schemas.messages import InstancesRequest

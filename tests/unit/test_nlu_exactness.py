@@ -2,7 +2,7 @@
 
 import pytest
 
-from doro_evaluation.exactness import FRESH, Row, graph_exactness, read_rows
+from doro_evaluation.tagging.exactness import FRESH, Row, graph_exactness, read_rows
 from doro_nlu.core import Nlu
 from doro_nlu.reasons import KINDS
 from doro_nlu.settings import NluSettings

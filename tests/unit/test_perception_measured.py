@@ -10,13 +10,13 @@ import pytest
 from click.testing import CliRunner
 
 from doro_console.__main__ import main
+from doro_evaluation.dressing.frames import UNNAMED_KIND, Labels, label, write_shard
+from doro_evaluation.dressing.scatter import scattered
 from doro_evaluation.outcomes import Outcome, Thing
-from doro_evaluation.perception import NAMES, figures_of, measure, real, truth_of
-from doro_evaluation.perception_chain import Chained, by_class
-from doro_evaluation.perception_chain import figures_of as chain_figures
-from doro_evaluation.perception_frames import UNNAMED_KIND, Labels, label, write_shard
-from doro_evaluation.perception_scatter import scattered
-from doro_evaluation.perception_speed import measure_speed
+from doro_evaluation.perception.chain import Chained, by_class
+from doro_evaluation.perception.chain import figures_of as chain_figures
+from doro_evaluation.perception.measure import NAMES, figures_of, measure, real, truth_of
+from doro_evaluation.perception.speed import measure_speed
 from doro_perception.backend import Detection, RgbImage
 from doro_perception.classes import CLASSES, COLOURS, MATERIALS
 from doro_schemas.errors import Refused

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from doro_evaluation.perception_frames import CALIBRATION, HELD_OUT, rooms_of
-from doro_evaluation.perception_scores import (
+from doro_evaluation.dressing.frames import CALIBRATION, HELD_OUT, rooms_of
+from doro_evaluation.perception.scores import (
     Tally,
     Truth,
     add_image,

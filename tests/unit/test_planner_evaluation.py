@@ -11,7 +11,7 @@ import pytest
 
 from doro_evaluation.chain import Language, Room, load_room
 from doro_evaluation.outcomes import Thing, true_things
-from doro_evaluation.planning import (
+from doro_evaluation.planning.curve import (
     DONE,
     PLANNED,
     RANDOM,
@@ -21,7 +21,7 @@ from doro_evaluation.planning import (
     Point,
     run_order,
 )
-from doro_evaluation.planning_report import chosen, figures_of, plot, table_of
+from doro_evaluation.planning.report import chosen, figures_of, plot, table_of
 from doro_schemas.errors import Refused
 from doro_schemas.messages import FrameGraphs
 

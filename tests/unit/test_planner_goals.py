@@ -9,8 +9,8 @@ import pytest
 from mapper_scene import Thing, messages, room, shoot, table
 
 from doro_mapper.core import Mapper
-from doro_mapper.planner_guide import Guide
-from doro_mapper.planner_settings import PlannerSettings
+from doro_mapper.planner.guide import Guide
+from doro_mapper.planner.settings import PlannerSettings
 from doro_mapper.settings import MapperSettings
 from doro_schemas import codec
 from doro_schemas.camera import Pose, pose_from_ai2thor

@@ -10,9 +10,9 @@ import pytest
 from mapper_scene import LENS, SIZE_PX, Thing, render, room
 from numpy.typing import NDArray
 
-from doro_mapper.planner_settings import PlannerSettings
-from doro_mapper.planner_space import Space, distances, noticed
-from doro_mapper.planner_views import ways
+from doro_mapper.planner.settings import PlannerSettings
+from doro_mapper.planner.space import Space, distances, noticed
+from doro_mapper.planner.views import ways
 from doro_mapper.views import camera_of, thumbnail
 from doro_schemas.camera import Pose, pose_from_ai2thor
 

@@ -19,11 +19,11 @@ from click.testing import CliRunner
 import doro_sim_feeder
 from doro_console.__main__ import main
 from doro_evaluation.chain import load_room
-from doro_evaluation.study import Asked, Study
-from doro_evaluation.study_make import make_study, page, units_of
-from doro_evaluation.study_scenes import Scene, choose, possible_scenes, scenes_of
-from doro_evaluation.study_systems import Asker, check_systems, read_queries
-from doro_evaluation.study_views import Photographer, views_for
+from doro_evaluation.study.files import Asked, Study
+from doro_evaluation.study.make import make_study, page, units_of
+from doro_evaluation.study.scenes import Scene, choose, possible_scenes, scenes_of
+from doro_evaluation.study.systems import Asker, check_systems, read_queries
+from doro_evaluation.study.views import Photographer, views_for
 from doro_nlu.core import Nlu
 from doro_nlu.settings import NluSettings
 from doro_schemas.errors import Refused

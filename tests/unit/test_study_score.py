@@ -12,10 +12,10 @@ import pytest
 from click.testing import CliRunner
 
 from doro_console.__main__ import main
-from doro_evaluation.study import key_path, read_answers, read_key, write_key
-from doro_evaluation.study_agreement import krippendorff_alpha
-from doro_evaluation.study_report import figures_of, report
-from doro_evaluation.study_score import Scores, read_all, score_study
+from doro_evaluation.study.agreement import krippendorff_alpha
+from doro_evaluation.study.files import key_path, read_answers, read_key, write_key
+from doro_evaluation.study.report import figures_of, report
+from doro_evaluation.study.score import Scores, read_all, score_study
 from doro_nlu.core import Nlu
 from doro_nlu.settings import NluSettings
 from doro_schemas.errors import Refused

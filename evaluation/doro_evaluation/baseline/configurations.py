@@ -12,11 +12,11 @@ from doro_evaluation.baseline.examples import caption_of
 from doro_evaluation.baseline.judging import judge_text
 from doro_evaluation.baseline.model import Baseline
 from doro_evaluation.chain import ERROR_MODELS
-from doro_evaluation.judge import Truth
 from doro_evaluation.maps import MappedRoom
 from doro_evaluation.outcomes import reported_in, reported_views
-from doro_evaluation.pairs import Pair
-from doro_evaluation.queries import QueryOutcome, View, best_view, of_view
+from doro_evaluation.queries.judge import Truth
+from doro_evaluation.queries.pairs import Pair
+from doro_evaluation.queries.systems import QueryOutcome, View, best_view, of_view
 from doro_evaluation.runs import speak
 from doro_nlu.core import Nlu
 from doro_schemas.graph import ObjectGraph

@@ -1,4 +1,4 @@
-"""Is a text right? The rule of QA (:mod:`doro_evaluation.judge`) for systems without positions.
+"""Is a text right? The rule of QA (``queries/judge.py``) for systems without positions.
 
 Our own queries know where their instances are, so each is compared with its true one. A text has
 words only, so it is judged in its favour: right is a text of the true state whose clauses can be
@@ -16,7 +16,7 @@ from doro_dialogue.matching import match
 from doro_dialogue.question import compose
 from doro_evaluation.baseline.examples import caption_of
 from doro_evaluation.baseline.reading import Clause, Parser, read_query
-from doro_evaluation.judge import Fault, Truth, Verdict
+from doro_evaluation.queries.judge import Fault, Truth, Verdict
 from doro_schemas.graph import ObjectGraph
 from doro_schemas.vocabulary import name_satisfies
 

@@ -9,23 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from doro_mapper.boxes import Boxes, distance, ious
-from doro_mapper.cells import Ints
-from doro_mapper.coverage import Coverage
-from doro_mapper.finder import (
-    Found,
-    FrameSightings,
-    InstanceFinder,
-    Sighting,
-    TrackSummary,
-    evidence_weight,
-    names_agree,
-)
+from doro_mapper.finder import Found, InstanceFinder, TrackSummary, evidence_weight, names_agree
 from doro_mapper.finders import make_finder
-from doro_mapper.hashmaps import HashMaps
+from doro_mapper.maps.cells import Ints
+from doro_mapper.maps.coverage import Coverage
+from doro_mapper.maps.hashmaps import HashMaps
 from doro_mapper.naming import NameMemory
 from doro_mapper.projection import Measured, measure
 from doro_mapper.settings import MapperSettings
 from doro_mapper.shots import Shot, shot
+from doro_mapper.sightings import FrameSightings, Sighting
 from doro_mapper.unnamed import Place, UnnamedPlaces
 from doro_mapper.views import Floats, Views, camera_of
 from doro_schemas.camera import Pose

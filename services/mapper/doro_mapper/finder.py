@@ -5,20 +5,16 @@ from __future__ import annotations
 import functools
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from doro_mapper.existence import probability
-from doro_mapper.projection import Measured
+from doro_mapper.sightings import FrameSightings
 from doro_mapper.views import Camera, Floats
-from doro_schemas.graph import ObjectGraph
-from doro_schemas.messages import ClassProbability
+from doro_mapper.votes import Votes
 from doro_schemas.vocabulary import name_satisfies
-
-if TYPE_CHECKING:
-    from doro_mapper.votes import Votes
 
 BORDER_WEIGHT = 0.3
 FULL_AREA_SHARE = 4000 / 90000
@@ -27,43 +23,6 @@ GRAPH_MISMATCH = 2.0
 NEVER = 99.0
 Look = tuple[str, dict[str, str]]
 """Class, and value by attribute type."""
-
-
-@dataclass(frozen=True, slots=True)
-class Sighting:
-    """One detection of one frame, measured.
-
-    Attributes:
-        serial: the frame's number in order of merging.
-        graph: canonical graph of the detection, relations included.
-        classes: the detector's class distribution, canonical; may be empty.
-        weight: what it counts in votes and geometry.
-    """
-
-    serial: int
-    camera: str
-    frame: int
-    box_px: tuple[float, ...]
-    score: float
-    caption: str
-    graph: ObjectGraph
-    classes: tuple[ClassProbability, ...] = ()
-    weight: float = 1.0
-
-
-@dataclass(frozen=True, slots=True)
-class FrameSightings:
-    """All sightings of one frame; row k of ``measured`` is where ``sightings[k]`` is."""
-
-    serial: int
-    camera: str
-    frame: int
-    sightings: list[Sighting]
-    measured: Measured
-
-    def weights(self) -> Floats:
-        """Return the sightings' weights, (n,)."""
-        return np.array([sighting.weight for sighting in self.sightings])
 
 
 @dataclass(slots=True)

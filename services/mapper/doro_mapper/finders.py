@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from doro_mapper.finder import InstanceFinder
-from doro_mapper.hashmaps import HashMaps
 from doro_mapper.literal import LiteralFinder
+from doro_mapper.maps.hashmaps import HashMaps
 from doro_mapper.regions import RegionFinder
 from doro_mapper.settings import MapperSettings
-from doro_mapper.tracks import TrackFinder
+from doro_mapper.tracks.association import TrackFinder
 from doro_mapper.views import Views
 
 

@@ -13,8 +13,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from doro_mapper.finder import Found, FrameSightings, Sighting, TrackSummary
+from doro_mapper.finder import Found, TrackSummary
 from doro_mapper.settings import MapperSettings
+from doro_mapper.sightings import FrameSightings, Sighting
 from doro_mapper.views import Camera, Floats
 from doro_mapper.votes import Votes
 from doro_schemas.graph import identity

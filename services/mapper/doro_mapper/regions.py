@@ -14,11 +14,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from doro_mapper.existence import enough
-from doro_mapper.finder import Found, FrameSightings, Sighting, TrackSummary, family
-from doro_mapper.hashmaps import HashMaps
+from doro_mapper.finder import Found, TrackSummary, family
+from doro_mapper.maps.hashmaps import HashMaps
 from doro_mapper.robust import robust_geometry
 from doro_mapper.settings import MapperSettings
 from doro_mapper.sight import should_see
+from doro_mapper.sightings import FrameSightings, Sighting
 from doro_mapper.views import Camera, Floats, Views, moved_points
 from doro_mapper.votes import Votes
 

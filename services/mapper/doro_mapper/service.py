@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from doro_mapper.core import Mapper
-from doro_mapper.planner_guide import Guide
+from doro_mapper.planner.guide import Guide
 from doro_mapper.settings import MapperSettings
 from doro_schemas.messages import (
     DepthFrame,

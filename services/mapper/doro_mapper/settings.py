@@ -6,7 +6,7 @@ from typing import Literal
 
 import msgspec
 
-from doro_mapper.planner_settings import PlannerSettings
+from doro_mapper.planner.settings import PlannerSettings
 
 NO_LANDMARKS = (
     "cabinet",

@@ -6,7 +6,7 @@ import bisect
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from doro_mapper.finder import Sighting
+from doro_mapper.sightings import Sighting
 from doro_schemas.graph import ObjectGraph, identity
 from doro_schemas.messages import Evidence
 from doro_schemas.vocabulary import name_satisfies

@@ -1,4 +1,4 @@
-"""Shards of labelled frames (written by ``doro_evaluation.perception_frames``) as samples."""
+"""Shards of labelled frames (written by ``doro_evaluation.dressing.frames``) as samples."""
 
 from __future__ import annotations
 

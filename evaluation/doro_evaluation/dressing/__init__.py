@@ -1,0 +1,1 @@
+"""Rooms dressed anew: labelled frames to train and to calibrate the captioner."""

@@ -1,0 +1,299 @@
+"""Labelled rendered frames: to train the captioner, to calibrate it, and to measure it.
+
+The rooms of the evaluation (34 test rooms, 5 validation bedrooms) are in none of the lists here.
+A shard is one npz file with the frames of one dressed room:
+``jpeg`` uint8, all files joined; ``ends`` int64 (frames,); and per box, sorted by frame:
+``frame`` int32, ``box`` float32 (n, 4) edges in pixels, ``kind`` int16 (index into CLASSES,
+UNNAMED_KIND for a thing without a name, -1 for a thing that is neither taught nor forbidden),
+``colour``, ``material`` int8 (-1: unknown), ``ignore`` bool (too small or hidden), ``copy`` bool.
+``plain`` bool (): rendered as the evaluation renders, not dressed anew.
+"""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from doro_evaluation.dressing.dress import dressed
+from doro_evaluation.dressing.scatter import scattered
+from doro_perception.classes import CLASSES, COLOURS, MATERIALS, UNNAMED
+from doro_schemas.camera import Pose
+from doro_sim_feeder.rooms.camera import Camera
+from doro_sim_feeder.rooms.copies import CopySpec
+from doro_sim_feeder.rooms.evaluation_set import plan_set
+from doro_sim_feeder.rooms.exploration import View, plan_views
+from doro_sim_feeder.rooms.gl import GlRenderer
+from doro_sim_feeder.rooms.instances import BACKGROUND
+from doro_sim_feeder.rooms.layout import room_names
+from doro_sim_feeder.rooms.lighting import ceiling_lighting
+from doro_sim_feeder.rooms.placement import place_copies
+from doro_sim_feeder.rooms.raycast import make_soup
+from doro_sim_feeder.rooms.scene import Scene, build_scene
+from doro_sim_feeder.rooms.variation import random_lighting, random_view
+
+KINDS = ("kitchens", "living_rooms", "bedrooms", "bathrooms")
+UNNAMED_KIND = len(CLASSES)
+HELD_OUT = (306, 4, 224, 204, 16, 325, 216, 19, 23, 213, 314, 405, 420)
+"""Numbers of the rooms that only measure, of all kinds from the first on; 19 is the sample's."""
+CALIBRATION = (14, 211, 317, 411)
+"""Numbers of the rooms that thresholds and calibration are fitted to."""
+COPIED = (
+    "Cup", "Mug", "Bowl", "Plate", "Bottle", "Apple", "Vase", "Book", "CellPhone",
+    "RemoteControl", "Statue", "Laptop", "Pillow", "Box", "DeskLamp", "HousePlant", "Stool",
+    "Chair", "SideTable", "ArmChair", "Sofa",
+)  # fmt: skip
+ALSO_COPIED = (
+    "Kettle", "Pan", "Pot", "WineBottle", "Bread", "Toaster", "AlarmClock", "Watch",
+    "TeddyBear", "SoapBottle", "SprayBottle", "TissueBox", "Newspaper", "FloorLamp",
+    "GarbageCan", "CoffeeTable", "Safe", "CoffeeMachine", "BasketBall", "Tomato",
+)  # fmt: skip
+FLOOR = frozenset({"Stool", "Chair", "SideTable", "ArmChair", "Sofa", "FloorLamp", "GarbageCan"})
+SIZE_PX = 384
+CANDIDATE_VIEWS, HORIZON_DEG, FAR_M, SMALL_M = 4, (-8, 52), 3.5, 0.6
+LEAST_PX, LEAST_SIDE_PX, LEAST_SHOWN, LEAST_INSIDE, LEAST_FILLED = 30, 5.0, 0.25, 0.2, 0.06
+TAUGHT = {name: number for number, name in enumerate(CLASSES)} | dict.fromkeys(
+    UNNAMED, UNNAMED_KIND
+)
+# A poster is a picture with another name; one class for both.
+TAUGHT["Poster"] = TAUGHT["Painting"]
+
+
+def rooms_of(part: str) -> list[str]:
+    """Return the rooms of ``train``, ``calibration`` or ``held-out``."""
+    measured = {row.room for row in plan_set()}
+    numbers = {"calibration": CALIBRATION, "held-out": HELD_OUT}
+    if part in numbers:
+        return [f"FloorPlan{number}" for number in numbers[part]]
+    apart = measured | {f"FloorPlan{number}" for number in (*CALIBRATION, *HELD_OUT)}
+    rooms = [name for kind in KINDS for name in room_names(kind) if name not in apart]
+    # A third of the bathrooms: little of what the evaluation asks for stands there.
+    number_of = {name: int(name.removeprefix("FloorPlan")) for name in rooms}
+    return [name for name in rooms if number_of[name] < 401 or number_of[name] % 3 == 0]
+
+
+@dataclass(frozen=True)
+class Labels:
+    """The boxes of one picture; see the module's text for the columns."""
+
+    box: NDArray[np.float32]
+    kind: NDArray[np.int16]
+    colour: NDArray[np.int8]
+    material: NDArray[np.int8]
+    ignore: NDArray[np.bool_]
+    copy: NDArray[np.bool_]
+
+
+def with_copies(scene: Scene, rng: np.random.Generator, kinds: int) -> Scene:
+    """Return the room with two to four copies each of several classes, where they fit."""
+    small = [name for name in COPIED if name not in FLOOR]
+    also = [name for name in ALSO_COPIED if name not in FLOOR]
+    large = sorted(FLOOR)
+    count = max(kinds - 2, 1)
+    chosen = [str(name) for name in rng.permutation(small)[: count * 2 // 3 + 1]]
+    chosen += [str(name) for name in rng.permutation(also)[: count // 3]]
+    chosen += [str(name) for name in rng.permutation(large)[:2]]
+    for name in chosen:
+        number = int(rng.integers(1, 3)) if name in FLOOR else int(rng.integers(2, 5))
+        spec = CopySpec(name, number, arrange="mixed")
+        scene = place_copies(scene, spec, int(rng.integers(1 << 30))).scene
+    return scene
+
+
+def label(scene: Scene, ids: NDArray[np.int32], pose: Pose, camera: Camera) -> Labels:
+    """Return the boxes of what a picture of instance ids shows."""
+    counts = np.bincount(ids.ravel())
+    rows: list[tuple[list[float], int, int, int, bool, bool]] = []
+    for number in np.flatnonzero(counts):
+        if number == 0:
+            continue
+        item = scene.instances[number - 1]
+        if item.object_type in BACKGROUND or counts[number] < LEAST_PX / 2:
+            continue
+        mask = ids == number
+        columns, lines = np.flatnonzero(mask.any(axis=0)), np.flatnonzero(mask.any(axis=1))
+        box = np.array([columns[0], lines[0], columns[-1] + 1, lines[-1] + 1], np.float64)
+        hidden = _hidden(box, int(counts[number]), np.stack(item.corners), pose, camera)
+        kind = TAUGHT.get(item.object_type, -1)
+        colour = COLOURS.index(item.color) if item.color in COLOURS else -1
+        material = MATERIALS.index(item.material) if item.material in MATERIALS else -1
+        if kind >= 0 or item.object_type not in ("Cabinet", "Drawer", "Shelf"):
+            rows.append((box.tolist(), kind, colour, material, hidden, item.copy))
+    columns_of: list[Any] = list(zip(*rows, strict=True)) if rows else [()] * 6
+    return Labels(
+        box=np.asarray(columns_of[0], np.float32).reshape(-1, 4),
+        kind=np.asarray(columns_of[1], np.int16),
+        colour=np.asarray(columns_of[2], np.int8),
+        material=np.asarray(columns_of[3], np.int8),
+        ignore=np.asarray(columns_of[4], np.bool_),
+        copy=np.asarray(columns_of[5], np.bool_),
+    )
+
+
+def _hidden(
+    box: NDArray[np.float64],
+    pixels: int,
+    corners: NDArray[np.float32],
+    pose: Pose,
+    camera: Camera,
+) -> bool:
+    """Tell whether too little of a thing is seen to ask anyone for it."""
+    size = box[2:] - box[:2]
+    scale = camera.size_px / 300
+    if pixels < LEAST_PX * scale**2 or size.min() < LEAST_SIDE_PX * scale:
+        return True
+    if pixels < LEAST_FILLED * size.prod():
+        return True
+    grid = np.stack(np.meshgrid(*corners.T, indexing="ij"), axis=-1).reshape(-1, 3)
+    at = (grid - np.asarray(pose.position_m)) @ pose.matrix()
+    ahead = np.maximum(at[:, 2:], 0.05)
+    k = camera.intrinsics
+    pixel = at[:, :2] / ahead * k.fx + [k.cx, k.cy]
+    low, high = pixel.min(axis=0), pixel.max(axis=0)
+    whole = float(np.maximum(high - low, 1).prod())
+    inside = np.clip(high, 0, camera.size_px) - np.clip(low, 0, camera.size_px)
+    shown = float(np.maximum(inside, 1).prod())
+    return bool(size.prod() < LEAST_SHOWN * shown or shown < LEAST_INSIDE * whole)
+
+
+def frames_of(
+    room: str, seed: int, count: int, *, dress: bool
+) -> Iterator[tuple[NDArray[np.uint8], Labels]]:
+    """Render the labelled frames of one room.
+
+    Args:
+        dress: with other looks, light and views than the evaluation has; False: as it has
+            them, at 300 px, with copies.
+    """
+    number = int(room.removeprefix("FloorPlan"))
+    rng = np.random.default_rng([seed, number, int(dress)])
+    scene = build_scene(room)
+    if dress:
+        things = int(rng.integers(10, 34)), int(rng.integers(1, 6))
+        scene = dressed(scattered(scene, rng, *things), rng)
+    else:
+        scene = with_copies(scene, rng, 6)
+    size_px = SIZE_PX if dress else 300
+    pairs = [(k, item.parts) for k, item in enumerate(scene.instances, start=1)]
+    light = random_lighting(scene.room, seed) if dress else ceiling_lighting(scene.room)
+    views = plan_views(scene.cells, None, seed)
+    chosen = rng.permutation(len(views))[:count]
+    chosen = np.resize(chosen, count)
+    smooth = not dress or bool(rng.integers(2))
+    materials, camera = scene.part_materials(), Camera(size_px)
+    with GlRenderer(make_soup(pairs), materials, light, camera, smooth=smooth) as renderer:
+        for k, index in enumerate(chosen.tolist()):
+            view = views[index]
+            if dress:
+                view = _rich_view(scene, views, rng)
+                renderer.camera = Camera(size_px, float(rng.choice([90, 90, rng.uniform(45, 90)])))
+                if k % 8 == 7:
+                    renderer.light(random_lighting(scene.room, seed * 100 + k))
+            picture = renderer.take(view.pose())
+            if picture.color is not None:
+                yield picture.color, label(scene, picture.ids, view.pose(), renderer.camera)
+
+
+def _rich_view(scene: Scene, views: list[View], rng: np.random.Generator) -> View:
+    """Return the one of several random views that has most small things before it."""
+    middles = np.array([np.mean(item.corners, axis=0) for item in scene.instances])
+    sizes = np.array([np.ptp(item.corners, axis=0).max() for item in scene.instances])
+    taught = np.array([item.object_type in TAUGHT for item in scene.instances])
+    best: tuple[float, View] | None = None
+    for _ in range(CANDIDATE_VIEWS):
+        start = views[int(rng.integers(len(views)))]
+        turned = random_view(start, int(rng.integers(1 << 30)))
+        view = View(turned.position_m, turned.yaw_deg, int(rng.integers(*HORIZON_DEG)))
+        pose = view.pose()
+        at = (middles - np.asarray(pose.position_m)) @ pose.matrix()
+        inside = (np.abs(at[:, :2]) < 0.8 * at[:, 2:]).all(axis=1) & (at[:, 2] < FAR_M)
+        worth = float((inside & taught & (sizes < SMALL_M)).sum() + rng.uniform(0, 3))
+        worth += 0.7 * float((inside & taught & (sizes >= SMALL_M)).sum())
+        if best is None or worth > best[0]:
+            best = (worth, view)
+    assert best is not None
+    return best[1]
+
+
+def write_shard(
+    path: Path, frames: Iterator[tuple[NDArray[np.uint8], Labels]], *, plain: bool = False
+) -> int:
+    """Write a shard; return how many frames have something to learn from."""
+    data, ends, rows = [], [], []
+    for color, labels in frames:
+        if not ((labels.kind >= 0) & ~labels.ignore).any():
+            continue
+        quality = [cv2.IMWRITE_JPEG_QUALITY, 92]
+        done, jpeg = cv2.imencode(".jpg", np.ascontiguousarray(color[..., ::-1]), quality)
+        if not done:
+            raise OSError("OpenCV cannot write JPEG")
+        data.append(jpeg.ravel())
+        ends.append(len(jpeg.ravel()))
+        rows.append(labels)
+    counts = [len(labels.kind) for labels in rows]
+    columns: dict[str, Any] = {
+        name: np.concatenate([getattr(labels, name) for labels in rows])
+        for name in ("box", "kind", "colour", "material", "ignore", "copy")
+    }
+    partial = path.with_suffix(".part.npz")
+    np.savez(
+        partial,
+        jpeg=np.concatenate(data),
+        ends=np.cumsum(ends),
+        frame=np.repeat(np.arange(len(rows), dtype=np.int32), counts),
+        plain=np.array(plain),
+        **columns,
+    )
+    partial.rename(path)
+    return len(rows)
+
+
+def _out_of_time(_number: int, _frame: object) -> None:
+    """Stop a room whose copies find no place for a long time."""
+    raise TimeoutError("it took more than --most-s of CPU time")
+
+
+def main() -> None:
+    """Render shards: ``python -m doro_evaluation.dressing.frames --out DIR``; resumable."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--part", default="train", choices=("train", "calibration", "held-out"))
+    parser.add_argument("--seeds", type=int, nargs="+", default=[1])
+    parser.add_argument("--frames", type=int, default=40, help="per room and seed")
+    parser.add_argument("--plain", action="store_true", help="as the evaluation renders")
+    parser.add_argument("--most-s", type=float, default=0, help="of CPU time for a room; 0: any")
+    parser.add_argument("--share", default="0/1", help="k/n: every n-th room from the k-th on")
+    arguments = parser.parse_args()
+    signal.signal(signal.SIGVTALRM, _out_of_time)
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    first, step = (int(word) for word in arguments.share.split("/"))
+    for seed in arguments.seeds:
+        rooms = [str(r) for r in np.random.default_rng(seed).permutation(rooms_of(arguments.part))]
+        for room in rooms[first::step]:
+            path = arguments.out / f"{arguments.part}-{room}-{seed}.npz"
+            if path.exists():
+                continue
+            start = time.monotonic()
+            frames = frames_of(room, seed, arguments.frames, dress=not arguments.plain)
+            signal.setitimer(signal.ITIMER_VIRTUAL, arguments.most_s)
+            try:
+                count = write_shard(path, frames, plain=arguments.plain)
+            except (ValueError, TimeoutError) as error:
+                print(f"{room} seed {seed}: left out, {error}", file=sys.stderr)
+                continue
+            finally:
+                signal.setitimer(signal.ITIMER_VIRTUAL, 0)
+            print(f"{path.name}: {count} frames, {time.monotonic() - start:.0f} s", flush=True)
+
+
+if __name__ == "__main__":
+    main()

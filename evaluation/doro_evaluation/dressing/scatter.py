@@ -1,0 +1,134 @@
+"""Things scattered over a room for training: quicker and looser than the copies of the evaluation.
+
+A thing is put down where nine rays from above meet a level surface and its box is free; it may
+stand out of an edge by a little. The evaluation's copies come to rest exactly, which takes
+a hundred times as long.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from doro_evaluation.dressing.dress import look_of
+from doro_sim_feeder.rooms.instances import Instance
+from doro_sim_feeder.rooms.layout import sizes_of_type
+from doro_sim_feeder.rooms.parts import place
+from doro_sim_feeder.rooms.scene import Scene, object_parts
+
+SMALL = (
+    "Cup", "Mug", "Bowl", "Plate", "Bottle", "Apple", "Vase", "Book", "CellPhone",
+    "RemoteControl", "Statue", "Laptop", "Pillow", "Box", "DeskLamp", "HousePlant",
+    "Kettle", "Pan", "Pot", "WineBottle", "Bread", "Toaster", "AlarmClock", "Watch",
+    "TeddyBear", "SoapBottle", "SprayBottle", "TissueBox", "Newspaper", "Tomato",
+    "CoffeeMachine", "Candle", "KeyChain", "SaltShaker", "BasketBall", "Microwave",
+)  # fmt: skip
+LARGE = (
+    "Chair", "Stool", "SideTable", "ArmChair", "Sofa", "FloorLamp", "GarbageCan", "Box",
+    "HousePlant", "CoffeeTable", "Safe", "LaundryHamper",
+)  # fmt: skip
+SUPPORTS = frozenset(
+    """CounterTop DiningTable CoffeeTable SideTable Desk Dresser TVStand Shelf ShelvingUnit Bed
+    Sofa ArmChair Stool Chair Ottoman Toilet Bathtub Safe""".split()  # noqa: SIM905
+)
+EVALUATED_ODDS = 3.0
+CANDIDATES = 700
+LEVEL_M, SOFT_LEVEL_M, RISE_M, REACH = 0.014, 0.12, 0.004, (-0.4, 0.0, 0.4)
+HIGHEST_M, FROM_ABOVE_M = 1.75, 0.35
+GRID = np.array([(a, b) for a in REACH for b in REACH])
+
+
+def scattered(scene: Scene, rng: np.random.Generator, small: int, large: int) -> Scene:
+    """Return the room with up to so many more things on furniture and on the floor."""
+    caster = scene.caster()
+    supports = [
+        item
+        for item in scene.instances
+        if item.object_type in SUPPORTS and item.corners[1][1] < HIGHEST_M
+    ]
+    wishes = [_wish(scene, supports, rng, on_floor=k % 5 == 0) for k in range(CANDIDATES)]
+    origins = np.concatenate(
+        [np.column_stack([at[:, 0], np.full(9, top), at[:, 1]]) for *_, at, top in wishes]
+    )
+    hits = caster.cast(origins, np.broadcast_to([0.0, -1.0, 0.0], origins.shape))
+    falls = hits.distance.reshape(-1, 9)
+    lows = np.array([item.corners[0] for item in scene.instances])
+    highs = np.array([item.corners[1] for item in scene.instances])
+    solid = np.array([item.object_type not in ("Floor", "Ceiling") for item in scene.instances])
+    made: list[Instance] = []
+    left = {True: large, False: small}
+    for (kind, size, on_floor, at, top), fall in zip(wishes, falls, strict=True):
+        level = SOFT_LEVEL_M if kind == "Pillow" else LEVEL_M
+        surface = top - float(np.median(fall))
+        if left[on_floor] <= 0 or not np.isfinite(fall).all() or np.ptp(fall) > level:
+            continue
+        if (surface > 0.02) if on_floor else not 0.12 < surface < HIGHEST_M:
+            continue
+        item = _made(kind, size, (float(at[4, 0]), surface + RISE_M, float(at[4, 1])), rng)
+        low, high = item.corners
+        hits_box = (low[None] + 0.008 < highs) & (high[None] - 0.008 > lows)
+        inside = scene.room.x_low < low[0] and high[0] < scene.room.x_high
+        inside = inside and scene.room.z_low < low[2] and high[2] < scene.room.z_high
+        below = lows[:, 1] < surface - 0.02 if not on_floor else np.zeros(len(lows), np.bool_)
+        if not inside or (hits_box.all(axis=1) & solid & ~(below & _soft(kind, solid))).any():
+            continue
+        made.append(item)
+        lows, highs = np.vstack([lows, low]), np.vstack([highs, high])
+        solid = np.append(solid, True)
+        left[on_floor] -= 1
+    return scene.with_instances(made)
+
+
+def _soft(kind: str, like: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """A thing may reach into the box of what stands below it (a chair's back, a bed's rail)."""
+    del kind
+    return np.ones(len(like), np.bool_)
+
+
+def _wish(
+    scene: Scene, supports: list[Instance], rng: np.random.Generator, *, on_floor: bool
+) -> tuple[str, tuple[float, float, float], bool, NDArray[np.float64], float]:
+    """Return class, size, whether on the floor, nine points (x, z) and the height above them."""
+    names = LARGE if on_floor or not supports else SMALL
+    odds = np.ones(len(names))
+    odds[: 16 if names is SMALL else 5] = EVALUATED_ODDS
+    kind = str(rng.choice(list(names), p=odds / odds.sum()))
+    sizes = sizes_of_type(kind) or [(0.2, 0.2, 0.2)]
+    base = np.asarray(sizes[int(rng.integers(len(sizes)))])
+    size = np.maximum(base * rng.uniform(0.85, 1.15, 3) * rng.uniform(0.9, 1.1), 0.006)
+    size_m = (float(size[0]), float(size[1]), float(size[2]))
+    room = scene.room
+    if names is LARGE:
+        x = float(rng.uniform(room.x_low + 0.2, room.x_high - 0.2))
+        z = float(rng.uniform(room.z_low + 0.2, room.z_high - 0.2))
+        top = 2.4
+    else:
+        areas = [np.sqrt(max(np.prod(np.ptp(s.corners, axis=0)[[0, 2]]), 0.01)) for s in supports]
+        weight = np.asarray(areas) / np.sum(areas)
+        low, high = supports[int(rng.choice(len(supports), p=weight))].corners
+        x, z = float(rng.uniform(low[0], high[0])), float(rng.uniform(low[2], high[2]))
+        top = float(high[1]) + FROM_ABOVE_M
+    points = np.array([x, z]) + GRID * max(size[0], size[2])
+    return kind, size_m, names is LARGE, points, top
+
+
+def _made(
+    kind: str,
+    size_m: tuple[float, float, float],
+    position_m: tuple[float, float, float],
+    rng: np.random.Generator,
+) -> Instance:
+    color, material = look_of(kind, rng)
+    parts = object_parts(kind, size_m, str(rng.integers(1 << 30)), color, material)
+    yaw_deg = float(rng.uniform(0, 360))
+    x, y, z = position_m
+    return Instance(
+        object_id=f"{kind}|{x:+06.2f}|{y:+06.2f}|{z:+06.2f}|scattered",
+        object_type=kind,
+        parts=place(parts, yaw_deg, position_m),
+        color=color,
+        material=material,
+        yaw_deg=yaw_deg,
+        pickupable=kind in SMALL,
+        copy=True,
+    )

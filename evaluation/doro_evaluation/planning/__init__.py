@@ -1,0 +1,1 @@
+"""How many views the next-view planner needs, beside other orders."""

@@ -1,0 +1,1 @@
+"""The whole system on pairs of recording and instruction (paper, Tables III and IV)."""

@@ -1,0 +1,1 @@
+"""Tables, plots and failures as one HTML page and as Markdown."""

@@ -1,0 +1,1 @@
+"""Questionnaires about queries, and what came of them."""

@@ -1,0 +1,1 @@
+"""Tagging (paper, Table I), its speed, and whether whole graphs are right."""

@@ -1,0 +1,1 @@
+"""The paper's two hash maps: cells, blocks in view, coverage."""

@@ -1,0 +1,1 @@
+"""The next view worth taking."""

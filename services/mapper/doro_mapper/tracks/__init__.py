@@ -1,0 +1,1 @@
+"""Finder "tracks": online association, merging, pruning; what counts as an instance."""
