@@ -98,6 +98,27 @@ def test_class_distributions_are_fused_over_views() -> None:
     assert 0.5 < mug.classes[0].probability < 1.0
 
 
+@pytest.mark.parametrize(("calibrated", "count"), [(False, 1), (True, 0)])
+def test_views_count_by_calibrated_scores_and_by_their_word_otherwise(
+    calibrated: bool, count: int
+) -> None:
+    """Four views at .1 are not half a certain one, however well they agree."""
+    pairs = numbered(ONE[:4])
+    either = [ClassProbability("mug", 0.6), ClassProbability("cup", 0.4)]
+    for _, graphs in pairs:
+        graphs.calibrated = calibrated
+        graphs.detections = [
+            type(box)(box.box_px, 0.1, box.graph, "", either)
+            for box in graphs.detections
+            if box.graph.name == "mug"
+        ]
+    mapper = Mapper(MapperSettings(few_views=0))
+    for depth, graphs in pairs:
+        mapper.depth_frame(depth)
+        mapper.frame_graphs(graphs)
+    assert len(ask(mapper, "mug").instances) == count
+
+
 def test_a_double_box_with_a_possible_other_class_is_one_detection() -> None:
     pairs = numbered(ONE[:4])
     for _, graphs in pairs:

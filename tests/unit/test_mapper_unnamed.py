@@ -61,12 +61,13 @@ def test_what_lies_inside_of_a_named_thing_is_a_part_of_it() -> None:
     assert reply.unnamed == []
 
 
-def test_the_parser_hands_the_regions_on() -> None:
+def test_the_parser_hands_the_regions_on_and_whether_scores_are_calibrated() -> None:
     region = UnnamedRegion(box_px=[1.0, 2.0, 30.0, 40.0], score=0.7)
-    frame = FrameCaptions(frame=0, height_px=100, width_px=100, unnamed=[region])
+    frame = FrameCaptions(frame=0, height_px=100, width_px=100, unnamed=[region], calibrated=True)
     (graphs,) = Nlu(NluSettings()).captions(frame)
     assert isinstance(graphs, FrameGraphs)
     assert graphs.unnamed == [region]
+    assert graphs.calibrated
 
 
 def said(unnamed: list[UnnamedPlace], name: str) -> str:

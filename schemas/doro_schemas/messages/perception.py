@@ -110,14 +110,17 @@ class FrameCaptions(FrameMessage, kw_only=True):
         unnamed: things without a name; they are no instances of anything and not counted, but
             "there is no cup" and "there is something that I cannot name" differ.
         shares: attribute distributions of the detections in their order, or empty.
+        calibrated: scores are probabilities that box and name are right, fitted on frames with
+            truth; the mapper then counts a view by its score, others by their word.
     """
 
-    ADDED: ClassVar[dict[str, object]] = {"unnamed": [], "shares": []}
+    ADDED: ClassVar[dict[str, object]] = {"unnamed": [], "shares": [], "calibrated": False}
 
     detections: list[CaptionedBox] = []
     timing_us: dict[str, float] = {}
     unnamed: list[UnnamedRegion] = []
     shares: list[AttributeShares] = []
+    calibrated: bool = False
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -148,14 +151,15 @@ class FrameGraphs(FrameMessage, kw_only=True):
 
     Attributes:
         not_understood: captions that gave no graph.
-        unnamed: regions of :class:`FrameCaptions`, handed on.
+        unnamed, calibrated: of :class:`FrameCaptions`, handed on.
     """
 
-    ADDED: ClassVar[dict[str, object]] = {"unnamed": []}
+    ADDED: ClassVar[dict[str, object]] = {"unnamed": [], "calibrated": False}
 
     detections: list[GraphBox] = []
     not_understood: list[str] = []
     unnamed: list[UnnamedRegion] = []
+    calibrated: bool = False
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -133,6 +133,11 @@ class Area:
         if options.fuse_names:
             own = self._names.fused(own, measured)
         sightings = [self._sighting(box, k, measured, serial, depth) for k, box in enumerate(own)]
+        if graphs.calibrated:
+            sightings = [
+                replace(one, doubt=1.0 - one.score) if len(one.classes) > 1 else one
+                for one in sightings
+            ]
         return FrameSightings(serial, depth.camera, depth.frame, sightings, measured)
 
     def _measured(self, depth_m: NDArray[np.float32], boxes_px: Floats) -> Measured:

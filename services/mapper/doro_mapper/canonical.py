@@ -40,4 +40,5 @@ def canonical(graphs: FrameGraphs) -> FrameGraphs:
             for box in graphs.detections
         ],
         unnamed=graphs.unnamed,
+        calibrated=graphs.calibrated,
     )

@@ -56,8 +56,8 @@ class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
             ``rank`` as meant.
         min_hits: views that make an instance.
         min_hit_share: least hits / (hits + misses) of an instance.
-        min_certain, min_certain_share: the same two for what a detector reports that gives class
-            distributions and errs; each view counts by its score.
+        min_certain, min_certain_share: the same two for what a detector with calibrated scores
+            reports; each view counts by its score.
         few_views: below so many frames one view without a miss makes an instance.
         max_evidence: views listed per instance.
         relation_share: share of its views in which a captioned relation must occur.

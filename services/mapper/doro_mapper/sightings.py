@@ -21,6 +21,7 @@ class Sighting:
         graph: canonical graph of the detection, relations included.
         classes: the detector's class distribution, canonical; may be empty.
         weight: what it counts in votes and geometry.
+        doubt: probability that it is wrong, by a calibrated score; 0 where there is none.
     """
 
     serial: int
@@ -32,6 +33,7 @@ class Sighting:
     graph: ObjectGraph
     classes: tuple[ClassProbability, ...] = ()
     weight: float = 1.0
+    doubt: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

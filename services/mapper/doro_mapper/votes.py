@@ -39,7 +39,7 @@ class Votes:
         stated: by (relation, landmark's class, inverse).
         evidence: the best views.
         doubt: how many sightings are wrong by the scores of a detector that knows how sure it
-            is (one with class distributions); others are taken at their word.
+            is (a calibrated one); others are taken at their word.
     """
 
     __slots__ = ("_look", "attributes", "doubt", "evidence", "names", "stated")
@@ -56,8 +56,7 @@ class Votes:
         """Count one sighting."""
         weight, graph = sighting.weight, sighting.graph
         self._look = None
-        if len(sighting.classes) > 1:
-            self.doubt += 1.0 - sighting.score
+        self.doubt += sighting.doubt
         total = sum(one.probability for one in sighting.classes)
         if total <= 0:
             _count(self.names, graph.name, weight)

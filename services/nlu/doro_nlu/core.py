@@ -118,6 +118,7 @@ class Nlu:
                 detections=boxes,
                 not_understood=lost,
                 unnamed=message.unnamed,
+                calibrated=message.calibrated,
             )
         ]
 

@@ -29,6 +29,7 @@ class Detection(msgspec.Struct, frozen=True):
         classes: of the likeliest classes.
         colors, materials: of the attributes, where the backend knows them; with ``colors`` None
             the core names the colour of the pixels.
+        calibrated: the score is a probability, fitted on frames with truth.
     """
 
     box_px: Box
@@ -37,6 +38,7 @@ class Detection(msgspec.Struct, frozen=True):
     classes: Shares = ()
     colors: Shares | None = None
     materials: Shares = ()
+    calibrated: bool = False
 
 
 class DetectionBackend(Protocol):

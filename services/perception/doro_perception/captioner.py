@@ -235,6 +235,7 @@ class Captioner:
                 classes=top(self._names, kinds[:UNNAMED], settings.top_classes),
                 colors=top(COLOURS, read.colors[k], settings.top_attributes),
                 materials=top(MATERIALS, self.material(kinds, read.materials[k]), 3),
+                calibrated=True,
             )
         there = float(1 - kinds[NOTHING]) * float(kinds[UNNAMED] + kinds[:UNNAMED].sum())
         if there >= settings.unnamed_threshold and kinds[UNNAMED] >= kinds[best]:

@@ -147,6 +147,7 @@ class Perception:
         message.unnamed = [
             UnnamedRegion(box_px=box_px, score=item.score) for item, box_px in kept if not item.name
         ]
+        message.calibrated = any(item.calibrated for item in found)
         message.shares = _shares([item for item, _ in named])
         message.timing_us = self._stages.taken_us()
         if message.unnamed:
