@@ -12,6 +12,8 @@ from doro_schemas.topics import TOPICS, Topic
 from doro_sim_feeder.recording import Recorder
 
 NOT_RECORDED = ("health", "alive")
+IN_FLIGHT_S = 0.2
+"""What was sent before the stop may still be under way: the recorder ends once it is quiet."""
 
 
 def record_bus(
@@ -36,7 +38,7 @@ def record_bus(
             bus.subscribe_raw(topic, lambda sample: _add(recorder, sample))
         bus.declare_alive()
         bus.run_until(None if seconds is None else time.monotonic() + seconds, done)
-        bus.drain()
+        bus.drain(quiet_s=IN_FLIGHT_S)
     return recorder.count
 
 

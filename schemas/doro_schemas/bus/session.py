@@ -299,12 +299,12 @@ class Bus:
                 lane.handle(item)
         return done()
 
-    def drain(self, limit_s: float = 5.0) -> None:
-        """Handle what has arrived already, also after :meth:`stop`."""
+    def drain(self, limit_s: float = 5.0, *, quiet_s: float = 0.0) -> None:
+        """Handle what arrives until nothing came for ``quiet_s``, also after :meth:`stop`."""
         deadline_s = time.monotonic() + limit_s
         while time.monotonic() < deadline_s:
             try:
-                taken = self._inbox.take(0.0)
+                taken = self._inbox.take(quiet_s)
             except queue.Empty:
                 return
             if taken is not None:
