@@ -18,6 +18,7 @@ from doro_schemas.topics import TYPES
 def _hook(kind: type) -> dict[str, Any]:
     if issubclass(kind, np.ndarray):
         return {"description": "raw segment behind the header: see the wire spec"}
+    # What msgspec asks of a hook for a type that it does not know.
     raise NotImplementedError(f"no JSON Schema for {kind}")
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -20,6 +19,7 @@ from doro_evaluation.baseline.text import (
     about,
     read_vocabulary,
 )
+from doro_evaluation.onnx_files import open_model
 from doro_schemas.errors import Refused
 
 ENCODER, DECODER, VOCABULARY = "encoder.onnx", "decoder.onnx", "vocabulary.json"
@@ -106,7 +106,8 @@ def load(directory: Path = MODEL_DIR) -> Baseline:
     """
     found = read_vocabulary(directory / VOCABULARY)
     encoder, decoder = (
-        _session(directory / name, found.sha256.get(name, "")) for name in (ENCODER, DECODER)
+        open_model(directory / name, found.sha256.get(name, ""), "the baseline's")
+        for name in (ENCODER, DECODER)
     )
     return Baseline(encoder, decoder, Vocabulary(found.pieces))
 
@@ -120,30 +121,3 @@ def available(directory: Path = MODEL_DIR) -> str:
     except Refused as error:
         return str(error)
     return ""
-
-
-def _session(path: Path, sha256: str) -> ort.InferenceSession:  # type: ignore[name-defined]
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise Refused(
-            f"the baseline's {path} cannot be read: name the folder of a trained baseline, or"
-            " restore the file"
-        ) from error
-    if hashlib.sha256(content).hexdigest() != sha256:
-        raise Refused(
-            f"the baseline's {path} is not the file that {VOCABULARY} beside it was written for:"
-            " restore both, or export the baseline again"
-        )
-    options = ort.SessionOptions()  # type: ignore[attr-defined]
-    options.intra_op_num_threads = options.inter_op_num_threads = 1
-    options.log_severity_level = 4
-    try:
-        return ort.InferenceSession(  # type: ignore[attr-defined]
-            content, sess_options=options, providers=["CPUExecutionProvider"]
-        )
-    except Exception as error:  # onnxruntime has no public base class of its errors
-        first_line = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise Refused(
-            f"the baseline's {path} is no usable ONNX file ({first_line}): export it again"
-        ) from error

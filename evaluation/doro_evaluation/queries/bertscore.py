@@ -12,16 +12,15 @@ difference on 50 pairs: see ``data/minilm/README.md``); shipped are weights in i
 
 from __future__ import annotations
 
-import hashlib
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
-import onnxruntime as ort
 from numpy.typing import NDArray
 
 from doro_evaluation.baseline.text import read_vocabulary
+from doro_evaluation.onnx_files import open_model
 from doro_nlu.tokens import tokenize
 from doro_nlu.wordpiece import BEGIN, END, ROW_PIECES, split_word
 from doro_schemas.errors import Refused
@@ -56,7 +55,9 @@ class Similarity:
 
     def __init__(self, directory: Path = MODEL_DIR) -> None:
         found = read_vocabulary(directory / VOCABULARY)
-        self._session = _session(directory / MODEL, found.sha256.get(MODEL, ""))
+        self._session = open_model(
+            directory / MODEL, found.sha256.get(MODEL, ""), "BERTScore's encoder"
+        )
         self._ids = {name: number for number, name in enumerate(found.pieces)}
         self._known: dict[str, Embedded] = {}
 
@@ -160,27 +161,3 @@ def _all_texts(candidates: Sequence[str], references: Sequence[Sequence[str]]) -
     yield from candidates
     for others in references:
         yield from others
-
-
-def _session(path: Path, sha256: str) -> ort.InferenceSession:  # type: ignore[name-defined]
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise Refused(f"BERTScore's encoder {path} cannot be read: restore the file") from error
-    if hashlib.sha256(content).hexdigest() != sha256:
-        raise Refused(
-            f"BERTScore's encoder {path} is not the file that {VOCABULARY} beside it was written"
-            " for: restore both"
-        )
-    options = ort.SessionOptions()  # type: ignore[attr-defined]
-    options.intra_op_num_threads = options.inter_op_num_threads = 1
-    options.log_severity_level = 4
-    try:
-        return ort.InferenceSession(  # type: ignore[attr-defined]
-            content, sess_options=options, providers=["CPUExecutionProvider"]
-        )
-    except Exception as error:  # onnxruntime has no public base class of its errors
-        first_line = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise Refused(
-            f"BERTScore's encoder {path} is no usable ONNX file ({first_line})"
-        ) from error

@@ -25,7 +25,7 @@ from doro_nlu.core import Nlu
 
 BASELINE = "baseline"
 OWN_FILES = ("queries/judge.py", "queries/systems.py")
-SIMILARITY_FILES = ("queries/bertscore.py", "data/minilm/vocabulary.json")
+SIMILARITY_FILES = ("queries/bertscore.py", "onnx_files.py", "data/minilm/vocabulary.json")
 BASELINE_FILES = tuple(
     f"baseline/{name}"
     for name in (

@@ -32,7 +32,6 @@ UNNAMED = (
 )  # fmt: skip
 """Taught as things that are there and have no name, "unknown object"."""
 
-UNKNOWN_NAME = "object"
 COLOURS = (
     "red", "blue", "green", "yellow", "white", "black", "orange", "purple", "brown", "pink",
     "gray",

@@ -162,11 +162,6 @@ def _draw_instances(
         _draw_tag(canvas, box, tag)
 
 
-def _label_lines(instance: Instance) -> list[str]:
-    text = short_description(instance.graph, LABEL_RELATIONS)
-    return wrap(text, LABEL_PX, LABEL, max_lines=2)
-
-
 def _draw_tag(canvas: Canvas, box: Box, tag: _Tag) -> None:
     left, top, _, bottom = box
     rectangle(canvas, box, WHITE, -1)
