@@ -21,12 +21,12 @@ from doro_sim_feeder.rooms import gl_programs as programs
 from doro_sim_feeder.rooms.camera import Camera, Picture
 from doro_sim_feeder.rooms.lighting import Lighting
 from doro_sim_feeder.rooms.raycast import Soup
-from doro_sim_feeder.rooms.shading import GLOSS, make_atlas
+from doro_sim_feeder.rooms.shading import make_atlas
+from doro_sim_feeder.rooms.surfaces import surface_rows
 
 NEAR_M, FAR_M = 0.02, 40.0
 SHADOW_NEAR_M, SHADOW_PX = 0.05, 1024
 SMOOTH = 2
-KINDS = {"wood": 1.0, "fabric": 2.0}
 AXES = np.eye(3)
 # Forward and up of the six views of the lamp: +x, -x, +y, -y, +z, -z.
 LAMP_VIEWS = tuple((side * AXES[k], AXES[(k + 1) % 3]) for k in range(3) for side in (1.0, -1.0))
@@ -301,13 +301,16 @@ def _instance_ranges(
 def _part_buffers(soup: Soup, part_materials: list[str | None]) -> tuple[bytes, bytes]:
     """Return the table of parts and the texels, laid out as the fragment program reads them."""
     atlas = make_atlas(soup)
-    rows = np.zeros(len(soup.parts), [("color", "4f4"), ("exponent_kind", "4f4"), ("place", "4i4")])
-    gloss = np.array([GLOSS.get(name or "", (0.0, 1.0)) for name in part_materials], np.float32)
+    columns = [("color", "4f4"), ("exponent", "4f4"), ("surface", "4f4"), ("place", "4i4")]
+    rows = np.zeros(len(soup.parts), columns)
+    look = surface_rows(part_materials)
     rows["color"][:, :3] = atlas.color
-    rows["color"][:, 3] = gloss[:, 0]
-    rows["exponent_kind"][:, 0] = gloss[:, 1]
-    rows["exponent_kind"][:, 1] = [KINDS.get(name or "", 0.0) for name in part_materials]
-    rows["exponent_kind"][soup.face_part, 2] = soup.face_instance
+    rows["color"][:, 3] = look[:, 0]
+    rows["exponent"][:, 0] = look[:, 1]
+    rows["exponent"][:, 1] = look[:, 6]
+    rows["exponent"][soup.face_part, 2] = soup.face_instance
+    rows["exponent"][:, 3] = look[:, 5]
+    rows["surface"][:, :3] = look[:, 2:5]
     rows["place"][:, :3] = np.stack([atlas.offset, atlas.width, atlas.height], axis=1)
     texels = np.zeros((len(atlas.texels), 4), np.uint8)
     texels[:, :3] = np.rint(atlas.texels * 255)

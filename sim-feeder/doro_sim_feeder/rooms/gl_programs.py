@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from doro_sim_feeder.rooms.surfaces import GLSL
+
 PARTS_BINDING, TEXELS_BINDING = 0, 1
 SHADOW_COLUMNS, SHADOW_ROWS = 3, 2
 
@@ -18,9 +20,12 @@ void main() {
 }
 """
 
-SCENE_FRAGMENT = """
+SCENE_FRAGMENT = (
+    """
 #version 430
-struct Part { vec4 color_gloss; vec4 exponent_kind_instance; ivec4 texture_place; };
+struct Part {
+    vec4 color_shine; vec4 exponent_pattern_instance_sheen; vec4 surface; ivec4 texture_place;
+};
 layout(std430, binding = 0) readonly buffer Parts { Part parts[]; };
 layout(std430, binding = 1) readonly buffer Texels { uint texels[]; };
 in vec3 point; in vec3 normal; in vec2 uv; in float depth; flat in int part;
@@ -31,22 +36,16 @@ layout(location = 0) out vec4 out_color;
 layout(location = 1) out int out_instance;
 layout(location = 2) out float out_depth;
 
+"""
+    + GLSL
+    + """
 vec3 albedo_of(Part p) {
     ivec3 place = p.texture_place.xyz;  // offset, width, height
     ivec2 texel = ivec2(floor(fract(vec2(uv.x, 1.0 - uv.y)) * vec2(place.yz)));
     texel = min(texel, place.yz - 1);
     vec3 color = unpackUnorm4x8(texels[place.x + texel.y * place.y + texel.x]).rgb
-        * p.color_gloss.rgb;
-    float kind = p.exponent_kind_instance.y, tone = 1.0;
-    if (kind == 1.0) {
-        float ring = 55.0 * (point.x + 0.35 * point.y) + 3.0 * sin(7.0 * point.z + 3.0 * point.y)
-            + 1.5 * sin(19.0 * point.z);
-        float paint = clamp(1.3 - 0.4 * (color.r + color.g + color.b), 0.2, 1.0);
-        tone = 1.0 + paint * (0.045 * sin(ring) + 0.035 * sin(2.7 * ring + 11.0 * point.z));
-    } else if (kind == 2.0) {
-        tone = 1.0 + 0.07 * sin(420.0 * (point.x + point.y)) * sin(420.0 * (point.z + point.y));
-    }
-    return color * tone;
+        * p.color_shine.rgb;
+    return color * pattern_tone(p.exponent_pattern_instance_sheen.y, point, color);
 }
 
 // Share of the lamp that is seen from a point; the map holds six views of 90 degrees.
@@ -82,24 +81,34 @@ void main() {
         + bounce * clamp(-n.y, 0.0, 1.0));
     light += lamp_color * lamp_light * clamp(dot(n, toward), 0.0, 1.0) * lit * shade;
     float half_way = clamp(dot(n, normalize(toward - view)), 0.0, 1.0);
-    float gloss = p.color_gloss.a
-        * (pow(half_way, p.exponent_kind_instance.x) * seen * shade + 0.25 * pow(1.0 - head, 4.0));
-    vec3 color = clamp((albedo_of(p) * light + gloss) * exposure, 0.0, 1.0);
+    float rim = 1.0 - head;
+    float shine = p.color_shine.a * (pow(half_way, p.exponent_pattern_instance_sheen.x)
+        * seen * shade + 0.25 * pow(rim, 4.0));
+    vec3 albedo = albedo_of(p), tint = sqrt(albedo);  // surface: diffuse, mirror, clear
+    vec3 behind = ambient_color * room_light(view) * (0.35 + 0.65 * albedo);
+    vec3 shown = mix(albedo * light * p.surface.x, behind, p.surface.z * head);
+    shown += ambient_color * p.surface.y * room_light(reflect(view, n)) * mix(vec3(1.0), tint,
+        p.surface.x < 1.0 ? 1.0 : 0.0);
+    shown += p.exponent_pattern_instance_sheen.w * rim * rim * light * tint;
+    vec3 color = clamp((shown + shine) * exposure, 0.0, 1.0);
     out_color = vec4(pow(color, vec3(gamma)), 1.0);
-    out_instance = int(p.exponent_kind_instance.z);
+    out_instance = int(p.exponent_pattern_instance_sheen.z);
     out_depth = depth;
 }
 """
+)
 
 GEOMETRY_FRAGMENT = """
 #version 430
-struct Part { vec4 color_gloss; vec4 exponent_kind_instance; ivec4 texture_place; };
+struct Part {
+    vec4 color_shine; vec4 exponent_pattern_instance_sheen; vec4 surface; ivec4 texture_place;
+};
 layout(std430, binding = 0) readonly buffer Parts { Part parts[]; };
 in float depth; flat in int part;
 layout(location = 1) out int out_instance;
 layout(location = 2) out float out_depth;
 void main() {
-    out_instance = int(parts[part].exponent_kind_instance.z);
+    out_instance = int(parts[part].exponent_pattern_instance_sheen.z);
     out_depth = depth;
 }
 """

@@ -11,19 +11,11 @@ from numpy.typing import NDArray
 from doro_sim_feeder.rooms.lighting import Lighting
 from doro_sim_feeder.rooms.parts import unit
 from doro_sim_feeder.rooms.raycast import Hits, RayCaster, Soup
+from doro_sim_feeder.rooms.surfaces import PATTERNS, WOOD, pattern_tone, room_light, surface_rows
 
 SHADOW_BIAS_M = 0.006
 LAMP_RADIUS_M = 0.16
 SHADE = 0.35
-# (strength, exponent) of the highlight of each material.
-GLOSS = {
-    "metal": (0.45, 24.0),
-    "glass": (0.50, 90.0),
-    "ceramic": (0.28, 60.0),
-    "plastic": (0.16, 30.0),
-    "stone": (0.12, 40.0),
-    "leather": (0.10, 16.0),
-}
 
 
 @dataclass(frozen=True)
@@ -73,10 +65,7 @@ class Shader:
     ) -> None:
         self._caster = caster
         self._atlas = make_atlas(caster.soup)
-        gloss = [GLOSS.get(material or "", (0.0, 1.0)) for material in part_materials]
-        self._gloss = np.asarray(gloss, np.float32)
-        self._wood = np.asarray([material == "wood" for material in part_materials])
-        self._fabric = np.asarray([material == "fabric" for material in part_materials])
+        self._surface = surface_rows(part_materials)
         self._lighting = lighting
 
     def shade(
@@ -116,11 +105,31 @@ class Shader:
         light = even[:, None] * np.asarray(use.ambient_color, np.float32)
         light += (use.lamp * facing_lamp * lit)[:, None] * np.asarray(use.lamp_color, np.float32)
         half = np.clip((normal * unit(toward - view)).sum(axis=1), 0, 1)
-        strength, exponent = self._gloss[part].T
-        shine = half**exponent * (lit > 0.5) * shade_of(toward[:, 1])
-        highlight = strength * (shine + 0.25 * (1 - head) ** 4)
-        color = np.clip((albedo * light + highlight[:, None]) * use.exposure, 0, 1) ** use.gamma
+        shine = half ** self._surface[part, 1] * (lit > 0.5) * shade_of(toward[:, 1])
+        shown = self._reflected(part, albedo, light, view, normal)
+        shown += (self._surface[part, 0] * (shine + 0.25 * (1 - head) ** 4))[:, None]
+        color = np.clip(shown * use.exposure, 0, 1) ** use.gamma
         return np.where((hits.face >= 0)[:, None], color, 0).astype(np.float32)
+
+    def _reflected(
+        self,
+        part: NDArray[np.int32],
+        albedo: NDArray[Any],
+        light: NDArray[Any],
+        view: NDArray[Any],
+        normal: NDArray[Any],
+    ) -> NDArray[Any]:
+        """Return what a surface scatters, lets through, mirrors and glows, (n, 3)."""
+        diffuse, mirror, clear, sheen = self._surface[part, 2:6].T[..., None]
+        around = np.asarray(self._lighting.ambient_color, np.float32)
+        facing = (normal * view).sum(axis=1, keepdims=True)
+        head, tint = np.clip(-facing, 0, 1), np.sqrt(albedo)
+        behind = around * room_light(view)[:, None] * (0.35 + 0.65 * albedo)
+        shown = albedo * light * diffuse * (1 - clear * head) + behind * clear * head
+        image = room_light(view - 2 * facing * normal)[:, None]
+        shown += around * mirror * image * np.where(diffuse < 1, tint, 1)
+        shown += sheen * (1 - head) ** 2 * light * tint
+        return shown
 
     def _albedo(
         self, part: NDArray[np.int32], uv: NDArray[Any], point: NDArray[Any]
@@ -131,10 +140,12 @@ class Shader:
         row = np.floor(((1 - uv[:, 1]) % 1) * height).astype(np.int64) % height
         albedo = atlas.texels[atlas.offset[part] + row * width + column] * atlas.color[part]
         tone = np.ones(len(part), np.float32)
-        wood = self._wood[part]
-        tone[wood] = 1 + (_grain(point[wood]) - 1) * paint_of(albedo[wood])
-        fabric = self._fabric[part]
-        tone[fabric] = _weave(point[fabric])
+        pattern = self._surface[part, 6]
+        for kind in PATTERNS:
+            of_kind = pattern == kind
+            tone[of_kind] = pattern_tone(kind, point[of_kind])
+        wood = pattern == WOOD
+        tone[wood] = 1 + (tone[wood] - 1) * paint_of(albedo[wood])
         shaded: NDArray[np.float32] = albedo * tone[:, None]
         return shaded
 
@@ -151,7 +162,7 @@ def shade_of(up: NDArray[Any]) -> NDArray[Any]:
 
 def paint_of(albedo: NDArray[Any]) -> NDArray[Any]:
     """Return how far the grain of wood of a colour (n, 3) is seen: on light paint, little."""
-    seen: NDArray[Any] = np.clip(1.3 - 1.2 * albedo.mean(axis=1), 0.2, 1)
+    seen: NDArray[Any] = np.clip(1.3 - 1.2 * albedo.mean(axis=1), 0.28, 1)
     return seen
 
 
@@ -164,18 +175,3 @@ def _facing(normal: NDArray[Any], view: NDArray[Any]) -> NDArray[Any]:
     """Return normals turned to the viewer: surfaces have two sides, whatever their winding."""
     turned: NDArray[Any] = np.where((normal * view).sum(axis=1, keepdims=True) > 0, -normal, normal)
     return turned
-
-
-def _grain(point_m: NDArray[Any]) -> NDArray[Any]:
-    """Return the brightness of wood: stretched rings in the material, about 1."""
-    x, y, z = point_m.T
-    ring = 55 * (x + 0.35 * y) + 3 * np.sin(7 * z + 3 * y) + 1.5 * np.sin(19 * z)
-    tone: NDArray[Any] = 1 + 0.045 * np.sin(ring) + 0.035 * np.sin(2.7 * ring + 11 * z)
-    return tone
-
-
-def _weave(point_m: NDArray[Any]) -> NDArray[Any]:
-    """Return the brightness of woven fabric, about 1."""
-    x, y, z = point_m.T
-    tone: NDArray[Any] = 1 + 0.07 * np.sin(420 * (x + y)) * np.sin(420 * (z + y))
-    return tone
