@@ -11,7 +11,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from doro_evaluation.dressing.doors import door
+from doro_evaluation.dressing import surfaces
+from doro_evaluation.dressing.deceivers import deceivers
+from doro_evaluation.dressing.looks import usual_rgb
+from doro_evaluation.dressing.more_meshes import MoreMeshes
+from doro_evaluation.dressing.natural import ONLY_NATURAL, natural
 from doro_evaluation.dressing.prints import (
     Texture,
     cloth,
@@ -23,7 +27,6 @@ from doro_evaluation.dressing.prints import (
     stretched,
 )
 from doro_evaluation.dressing.shapes import make_shape
-from doro_evaluation.dressing.solids import lathe
 from doro_sim_feeder.rooms.appearance import (
     COPY_MATERIALS,
     NATURAL_COLOR,
@@ -33,14 +36,14 @@ from doro_sim_feeder.rooms.appearance import (
     recoloured,
     usual_material,
 )
-from doro_sim_feeder.rooms.fittings import CEILING_M
-from doro_sim_feeder.rooms.footprints import ON_WALLS, Rect
+from doro_sim_feeder.rooms.footprints import ON_WALLS
 from doro_sim_feeder.rooms.instances import Instance
 from doro_sim_feeder.rooms.parts import Part, Rgb, bounds, box_part, place, yaw_matrix
 from doro_sim_feeder.rooms.scene import FLAT, Scene, object_parts
 
 Rng = np.random.Generator
 SHAPE_SHARE, MESH_SHARE, COLOR_SHARE, CLOTH_SHARE = 0.42, 0.3, 0.5, 0.45
+HOUSE_SHARE = 0.67
 FIXED = FLAT | ON_WALLS | {"CounterTop", "Sink", "Cabinet", "Drawer", "Structure", "Curtains"}
 SHELL = frozenset({"Floor", "Wall", "Ceiling"})
 OWN_COLOR = frozenset({"Bread", "HousePlant", "TeddyBear", "BasketBall", "Potato", "Egg"})
@@ -52,7 +55,7 @@ MORE_MATERIALS = {
     "Vase": ("ceramic", "glass", "metal", "wood"),
     "Plate": ("ceramic", "plastic", "glass"),
     "Laptop": ("metal", "plastic"),
-    "Chair": ("wood", "plastic", "metal", "fabric"),
+    "Chair": ("wood", "plastic", "metal"),
     "DeskLamp": ("metal", "plastic", "wood"),
     "Box": ("paper", "plastic", "wood"),
     "DiningTable": ("wood", "metal", "glass"),
@@ -62,22 +65,43 @@ CLOTHED = frozenset({"Pillow", "Sofa", "ArmChair", "Bed", "Curtains", "Towel", "
 PRINTED = frozenset({"Book", "Box", "TissueBox", "Newspaper", "Poster", "CD"})
 
 
-def dressed(scene: Scene, rng: Rng) -> Scene:
-    """Return the room with other looks of everything in it; what is where stays as it is."""
+def dressed(scene: Scene, rng: Rng, meshes: MoreMeshes | None = None) -> Scene:
+    """Return the room with other looks of everything in it; what is where stays as it is.
+
+    Two rooms of three are dressed as houses are, the others in any colour.
+    """
+    housely = rng.random() < HOUSE_SHARE
+    share = 0.88 if housely else 0.15
     fronts = _jittered(PALETTE[str(rng.choice(list(PALETTE)))], rng)
-    coverings = {name: covering(rng) for name in sorted(SHELL)}
+    if housely:
+        fronts = usual_rgb("", str(rng.choice(["wood", "paint"])), rng)
+    wooden = housely and rng.random() < 0.5
     instances = []
     for item in scene.instances:
         if item.object_type in SHELL:
-            span = float(rng.uniform(0.4, 2.5))
-            part = mapped(item.parts[0], coverings[item.object_type], span)
-            plain = item.object_type == "Ceiling" and rng.random() < 0.8
-            instances.append(item if plain else replace(item, parts=(part,)))
+            instances.append(_shell(item, rng, housely=housely))
         elif item.object_type in ("Cabinet", "Drawer", "Structure"):
-            instances.append(_front(item, fronts, rng))
+            front = _front(item, fronts, rng)
+            instances.append(replace(front, material="wood") if wooden else front)
+        elif item.object_type in FIXED or len(item.parts) == 0:
+            instances.append(_fixed(item, rng, housely=housely))
+        elif rng.random() < share or item.object_type in ONLY_NATURAL:
+            instances.append(_printed(natural(item, rng, meshes), rng))
         else:
             instances.append(_object(item, rng))
-    return replace(scene, instances=(*instances, *deceivers(scene.room, rng)))
+    return replace(scene, instances=(*instances, *deceivers(scene.room, rng, meshes)))
+
+
+def _shell(item: Instance, rng: Rng, *, housely: bool) -> Instance:
+    """Return a floor, the walls or the ceiling covered anew."""
+    if item.object_type == "Ceiling" and rng.random() < 0.8:
+        return item
+    if not housely:
+        part = mapped(item.parts[0], covering(rng), float(rng.uniform(0.4, 2.5)))
+        return replace(item, parts=(part,))
+    kind = surfaces.floor if item.object_type == "Floor" else surfaces.wall
+    texture, span, shine = kind(rng)
+    return replace(item, parts=(mapped(item.parts[0], texture, span),), material=shine or None)
 
 
 def _front(item: Instance, color: Rgb, rng: Rng) -> Instance:
@@ -91,8 +115,6 @@ def _front(item: Instance, color: Rgb, rng: Rng) -> Instance:
 def _object(item: Instance, rng: Rng) -> Instance:
     """Return a thing with another shape, mesh, colour or print, in the same place."""
     kind = item.object_type
-    if kind in FIXED or len(item.parts) == 0:
-        return _fixed(item, rng)
     low, high = item.corners
     if (high - low).max() > 0.02 and rng.random() < SHAPE_SHARE:
         item = _reshaped(item, rng, shape=True)
@@ -198,7 +220,7 @@ def _printed(item: Instance, rng: Rng) -> Instance:
     return replace(item, parts=tuple(parts))
 
 
-def _fixed(item: Instance, rng: Rng) -> Instance:
+def _fixed(item: Instance, rng: Rng, *, housely: bool) -> Instance:
     """Return a picture, window, mirror, curtain or counter with another look."""
     kind, parts = item.object_type, list(item.parts)
     if kind in ("Painting", "Poster") and parts:
@@ -211,12 +233,26 @@ def _fixed(item: Instance, rng: Rng) -> Instance:
     elif kind == "Mirror" and len(parts) == 2:
         parts[1] = stretched(parts[1], _pale(rng))
     elif kind == "CounterTop":
+        if housely:
+            return _counter(item, rng)
         texture = cloth(rng, _jittered(PALETTE[_color(kind, rng)], rng))
         return replace(item, parts=tuple(mapped(p, texture, 0.5) for p in parts), color=None)
     elif kind == "Curtains":
-        texture = cloth(rng, _jittered(PALETTE[_color("", rng)], rng))
+        tone = usual_rgb("", "fabric", rng) if housely else PALETTE[_color("", rng)]
+        texture = cloth(rng, _jittered(tone, rng))
         return replace(item, parts=tuple(mapped(p, texture, 0.4) for p in parts), color=None)
     return replace(item, parts=tuple(parts))
+
+
+def _counter(item: Instance, rng: Rng) -> Instance:
+    """Return a counter of stone or wood."""
+    if rng.random() < 0.7:
+        tone = usual_rgb("", "stone", rng)
+        texture, material = surfaces.stone(rng, tone), "stone"
+    else:
+        texture, material = surfaces.wood(rng, surfaces.wood_tone(rng)), "wood"
+    parts = tuple(mapped(part, texture, 0.7) for part in item.parts)
+    return replace(item, parts=parts, color=None, material=material)
 
 
 def _pale(rng: Rng) -> Texture:
@@ -245,75 +281,3 @@ def _bars(pane: Part, rng: Rng) -> list[Part]:
             bar_high[thin] += 0.008
             bars.append(box_part(bar_low, bar_high, color))
     return bars
-
-
-def deceivers(room: Rect, rng: Rng) -> list[Instance]:
-    """Return ceiling lamps, rugs, and on the walls doors, pictures, sockets, clocks, shelves."""
-    found: list[Instance] = []
-    for number in range(int(rng.integers(0, 4))):
-        found.append(Instance(f"Deceiver|lamp{number}", "Structure", _ceiling_lamp(room, rng)))
-    if rng.random() < 0.5:
-        found.append(Instance("Deceiver|rug", "Structure", (_rug(room, rng),)))
-    for number in range(int(rng.integers(0, 3))):
-        found.append(Instance(f"Deceiver|door{number}", "Structure", door(room, rng)))
-    for number in range(int(rng.integers(2, 9))):
-        parts, kind = _on_wall(room, rng)
-        found.append(Instance(f"Deceiver|wall{number}", kind, parts))
-    return found
-
-
-def _ceiling_lamp(room: Rect, rng: Rng) -> tuple[Part, ...]:
-    x = float(rng.uniform(room.x_low + 0.4, room.x_high - 0.4))
-    z = float(rng.uniform(room.z_low + 0.4, room.z_high - 0.4))
-    wide, deep = float(rng.uniform(0.06, 0.35)), float(rng.uniform(0.05, 0.3))
-    shade = _jittered(PALETTE[_color("", rng)] if rng.random() < 0.5 else (0.95, 0.93, 0.86), rng)
-    drop = float(rng.uniform(0, 0.7)) if rng.random() < 0.5 else 0.0
-    top = CEILING_M - drop
-    rows = [(wide, top - deep), (wide * float(rng.uniform(0.2, 1)), top), (0, top)]
-    if rng.random() < 0.5:
-        rows = [(0.0, top - deep), *rows]
-    parts = [lathe(rows, shade).moved((x, 0, z))]
-    if drop:
-        cord = lathe([(0.008, top), (0.008, CEILING_M)], (0.1, 0.1, 0.1), 6)
-        parts.append(cord.moved((x, 0, z)))
-    return tuple(parts)
-
-
-def _rug(room: Rect, rng: Rng) -> Part:
-    span = np.array([room.x_high - room.x_low, room.z_high - room.z_low])
-    size = span * rng.uniform(0.25, 0.6, 2)
-    x, z = (np.array([room.x_low, room.z_low]) + (span - size) * rng.random(2)).tolist()
-    flat = box_part((x, 0.0005, z), (x + float(size[0]), 0.004, z + float(size[1])), (1, 1, 1))
-    texture = picture(rng) if rng.random() < 0.4 else covering(rng)
-    return stretched(flat, texture)
-
-
-def _on_wall(room: Rect, rng: Rng) -> tuple[tuple[Part, ...], str]:
-    """Return a picture, a socket, a board or a clock on a wall, and its objectType."""
-    axis, far = (0, 2)[int(rng.integers(2))], bool(rng.integers(2))
-    along = (room.z_low, room.z_high) if axis == 0 else (room.x_low, room.x_high)
-    face = ((room.x_low, room.x_high) if axis == 0 else (room.z_low, room.z_high))[far]
-    kind = rng.random()
-    wide, high, deep = {
-        0: (rng.uniform(0.15, 0.9), rng.uniform(0.15, 0.9), 0.03),
-        1: (rng.uniform(0.05, 0.12), rng.uniform(0.05, 0.12), 0.012),
-        2: (rng.uniform(0.3, 0.8), rng.uniform(0.02, 0.04), 0.2),
-        3: (rng.uniform(0.2, 0.4), rng.uniform(0.2, 0.4), 0.04),
-    }[int(np.searchsorted([0.45, 0.7, 0.8], kind))]
-    at = float(rng.uniform(along[0] + 0.1, max(along[1] - 0.1 - wide, along[0] + 0.11)))
-    low_m = float(rng.uniform(0.2, 2.2)) if kind >= 0.45 else float(rng.uniform(0.9, 1.8))
-    low, size = np.zeros(3), np.zeros(3)
-    low[2 - axis], low[1], low[axis] = at, low_m, face - (deep if far else 0)
-    size[2 - axis], size[1], size[axis] = wide, min(high, CEILING_M - low_m - 0.02), deep
-    frame = box_part(low, low + size, _jittered(PALETTE[_color("", rng)], rng))
-    if kind >= 0.8:
-        size[axis] += 0.01
-        inner = box_part(low + size * 0.08, low + size * 0.92, (0.92, 0.92, 0.9))
-        return (frame, inner), "Structure"
-    if kind >= 0.45:
-        return (frame,), "Structure"
-    inset = np.minimum(size * 0.08, 0.05)
-    pane_low, pane_high = low + inset, low + size - inset
-    pane_low[axis], pane_high[axis] = low[axis] - 0.004, low[axis] + size[axis] + 0.004
-    pane = box_part(pane_low, pane_high, (1, 1, 1))
-    return (frame, stretched(pane, picture(rng))), "Painting"

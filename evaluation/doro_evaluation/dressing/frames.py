@@ -12,6 +12,7 @@ UNNAMED_KIND for a thing without a name, -1 for a thing that is neither taught n
 from __future__ import annotations
 
 import argparse
+import functools
 import signal
 import sys
 import time
@@ -25,13 +26,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from doro_evaluation.dressing.dress import dressed
+from doro_evaluation.dressing.more_meshes import MoreMeshes
 from doro_evaluation.dressing.scatter import scattered
+from doro_evaluation.dressing.views import Views, bloomed, room_light
 from doro_perception.classes import CLASSES, COLOURS, MATERIALS, UNNAMED
 from doro_schemas.camera import Pose
 from doro_sim_feeder.rooms.camera import Camera
 from doro_sim_feeder.rooms.copies import CopySpec
 from doro_sim_feeder.rooms.evaluation_set import plan_set
-from doro_sim_feeder.rooms.exploration import View, plan_views
+from doro_sim_feeder.rooms.exploration import plan_views
 from doro_sim_feeder.rooms.gl import GlRenderer
 from doro_sim_feeder.rooms.instances import BACKGROUND
 from doro_sim_feeder.rooms.layout import room_names
@@ -39,7 +42,6 @@ from doro_sim_feeder.rooms.lighting import ceiling_lighting
 from doro_sim_feeder.rooms.placement import place_copies
 from doro_sim_feeder.rooms.raycast import make_soup
 from doro_sim_feeder.rooms.scene import Scene, build_scene
-from doro_sim_feeder.rooms.variation import random_lighting, random_view
 
 KINDS = ("kitchens", "living_rooms", "bedrooms", "bathrooms")
 UNNAMED_KIND = len(CLASSES)
@@ -59,7 +61,7 @@ ALSO_COPIED = (
 )  # fmt: skip
 FLOOR = frozenset({"Stool", "Chair", "SideTable", "ArmChair", "Sofa", "FloorLamp", "GarbageCan"})
 SIZE_PX = 384
-CANDIDATE_VIEWS, HORIZON_DEG, FAR_M, SMALL_M = 4, (-8, 52), 3.5, 0.6
+CLOSE_SHARE = 0.3
 LEAST_PX, LEAST_SIDE_PX, LEAST_SHOWN, LEAST_INSIDE, LEAST_FILLED = 30, 5.0, 0.25, 0.2, 0.06
 TAUGHT = {name: number for number, name in enumerate(CLASSES)} | dict.fromkeys(
     UNNAMED, UNNAMED_KIND
@@ -165,63 +167,53 @@ def _hidden(
     return bool(size.prod() < LEAST_SHOWN * shown or shown < LEAST_INSIDE * whole)
 
 
+@functools.lru_cache(maxsize=128)
+def _scene(room: str) -> Scene:
+    """Return a room as built, which takes two seconds, for all seeds."""
+    return build_scene(room)
+
+
 def frames_of(
-    room: str, seed: int, count: int, *, dress: bool
+    room: str, seed: int, count: int, *, dress: bool, meshes: MoreMeshes | None = None
 ) -> Iterator[tuple[NDArray[np.uint8], Labels]]:
     """Render the labelled frames of one room.
 
     Args:
         dress: with other looks, light and views than the evaluation has; False: as it has
             them, at 300 px, with copies.
+        meshes: more models to dress with.
     """
     number = int(room.removeprefix("FloorPlan"))
     rng = np.random.default_rng([seed, number, int(dress)])
-    scene = build_scene(room)
+    scene = _scene(room)
     if dress:
         things = int(rng.integers(10, 34)), int(rng.integers(1, 6))
-        scene = dressed(scattered(scene, rng, *things), rng)
+        scene = dressed(scattered(scene, rng, *things, meshes), rng, meshes)
     else:
         scene = with_copies(scene, rng, 6)
-    size_px = SIZE_PX if dress else 300
     pairs = [(k, item.parts) for k, item in enumerate(scene.instances, start=1)]
-    light = random_lighting(scene.room, seed) if dress else ceiling_lighting(scene.room)
+    camera = Camera(SIZE_PX if dress else 300)
+    light = room_light(scene.room, rng) if dress else ceiling_lighting(scene.room)
     views = plan_views(scene.cells, None, seed)
-    chosen = rng.permutation(len(views))[:count]
-    chosen = np.resize(chosen, count)
+    chosen = np.resize(rng.permutation(len(views))[:count], count)
+    rich = Views(scene, views, frozenset(TAUGHT))
     smooth = not dress or bool(rng.integers(2))
-    materials, camera = scene.part_materials(), Camera(size_px)
-    with GlRenderer(make_soup(pairs), materials, light, camera, smooth=smooth) as renderer:
+    with GlRenderer(
+        make_soup(pairs), scene.part_materials(), light, camera, smooth=smooth
+    ) as renderer:
         for k, index in enumerate(chosen.tolist()):
             view = views[index]
             if dress:
-                view = _rich_view(scene, views, rng)
-                renderer.camera = Camera(size_px, float(rng.choice([90, 90, rng.uniform(45, 90)])))
-                if k % 8 == 7:
-                    renderer.light(random_lighting(scene.room, seed * 100 + k))
+                close = rich.close(rng) if rng.random() < CLOSE_SHARE else None
+                view = close or rich.rich(rng)
+                field = float(rng.choice([90, 90, rng.uniform(45, 90)]))
+                renderer.camera = Camera(SIZE_PX, field)
+                if k % 4 == 3:
+                    renderer.light(room_light(scene.room, rng))
             picture = renderer.take(view.pose())
             if picture.color is not None:
-                yield picture.color, label(scene, picture.ids, view.pose(), renderer.camera)
-
-
-def _rich_view(scene: Scene, views: list[View], rng: np.random.Generator) -> View:
-    """Return the one of several random views that has most small things before it."""
-    middles = np.array([np.mean(item.corners, axis=0) for item in scene.instances])
-    sizes = np.array([np.ptp(item.corners, axis=0).max() for item in scene.instances])
-    taught = np.array([item.object_type in TAUGHT for item in scene.instances])
-    best: tuple[float, View] | None = None
-    for _ in range(CANDIDATE_VIEWS):
-        start = views[int(rng.integers(len(views)))]
-        turned = random_view(start, int(rng.integers(1 << 30)))
-        view = View(turned.position_m, turned.yaw_deg, int(rng.integers(*HORIZON_DEG)))
-        pose = view.pose()
-        at = (middles - np.asarray(pose.position_m)) @ pose.matrix()
-        inside = (np.abs(at[:, :2]) < 0.8 * at[:, 2:]).all(axis=1) & (at[:, 2] < FAR_M)
-        worth = float((inside & taught & (sizes < SMALL_M)).sum() + rng.uniform(0, 3))
-        worth += 0.7 * float((inside & taught & (sizes >= SMALL_M)).sum())
-        if best is None or worth > best[0]:
-            best = (worth, view)
-    assert best is not None
-    return best[1]
+                color = bloomed(picture.color, rng) if dress else picture.color
+                yield color, label(scene, picture.ids, view.pose(), renderer.camera)
 
 
 def write_shard(
@@ -269,12 +261,16 @@ def main() -> None:
     parser.add_argument("--part", default="train", choices=("train", "calibration", "held-out"))
     parser.add_argument("--seeds", type=int, nargs="+", default=[1])
     parser.add_argument("--frames", type=int, default=40, help="per room and seed")
+    parser.add_argument(
+        "--meshes", type=Path, help="a folder with more models; see dressing/more_meshes.py"
+    )
     parser.add_argument("--plain", action="store_true", help="as the evaluation renders")
     parser.add_argument("--most-s", type=float, default=0, help="of CPU time for a room; 0: any")
     parser.add_argument("--share", default="0/1", help="k/n: every n-th room from the k-th on")
     arguments = parser.parse_args()
     signal.signal(signal.SIGVTALRM, _out_of_time)
     arguments.out.mkdir(parents=True, exist_ok=True)
+    meshes = MoreMeshes(arguments.meshes) if arguments.meshes else None
     first, step = (int(word) for word in arguments.share.split("/"))
     for seed in arguments.seeds:
         rooms = [str(r) for r in np.random.default_rng(seed).permutation(rooms_of(arguments.part))]
@@ -283,7 +279,9 @@ def main() -> None:
             if path.exists():
                 continue
             start = time.monotonic()
-            frames = frames_of(room, seed, arguments.frames, dress=not arguments.plain)
+            frames = frames_of(
+                room, seed, arguments.frames, dress=not arguments.plain, meshes=meshes
+            )
             signal.setitimer(signal.ITIMER_VIRTUAL, arguments.most_s)
             try:
                 count = write_shard(path, frames, plain=arguments.plain)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from doro_evaluation.dressing.dress import look_of
+from doro_evaluation.dressing.more_meshes import MoreMeshes
 from doro_sim_feeder.rooms.instances import Instance
 from doro_sim_feeder.rooms.layout import sizes_of_type
 from doro_sim_feeder.rooms.parts import place
@@ -22,11 +23,16 @@ SMALL = (
     "Kettle", "Pan", "Pot", "WineBottle", "Bread", "Toaster", "AlarmClock", "Watch",
     "TeddyBear", "SoapBottle", "SprayBottle", "TissueBox", "Newspaper", "Tomato",
     "CoffeeMachine", "Candle", "KeyChain", "SaltShaker", "BasketBall", "Microwave",
+    "Television", "Towel", "Desktop", "TableTopDecor",
 )  # fmt: skip
 LARGE = (
     "Chair", "Stool", "SideTable", "ArmChair", "Sofa", "FloorLamp", "GarbageCan", "Box",
-    "HousePlant", "CoffeeTable", "Safe", "LaundryHamper",
+    "HousePlant", "CoffeeTable", "Safe", "LaundryHamper", "Ottoman", "DogBed", "Boots", "Desk",
+    "Dresser", "DiningTable", "ShelvingUnit", "TVStand", "Bed", "Television", "TeddyBear",
+    "Wardrobe",
 )  # fmt: skip
+MESHES_ONLY = frozenset({"TableTopDecor", "Wardrobe", "Boots", "Desktop"})
+MESH_SIZE_SHARE = 0.5
 SUPPORTS = frozenset(
     """CounterTop DiningTable CoffeeTable SideTable Desk Dresser TVStand Shelf ShelvingUnit Bed
     Sofa ArmChair Stool Chair Ottoman Toilet Bathtub Safe""".split()  # noqa: SIM905
@@ -38,7 +44,13 @@ HIGHEST_M, FROM_ABOVE_M = 1.75, 0.35
 GRID = np.array([(a, b) for a in REACH for b in REACH])
 
 
-def scattered(scene: Scene, rng: np.random.Generator, small: int, large: int) -> Scene:
+def scattered(
+    scene: Scene,
+    rng: np.random.Generator,
+    small: int,
+    large: int,
+    meshes: MoreMeshes | None = None,
+) -> Scene:
     """Return the room with up to so many more things on furniture and on the floor."""
     caster = scene.caster()
     supports = [
@@ -46,7 +58,7 @@ def scattered(scene: Scene, rng: np.random.Generator, small: int, large: int) ->
         for item in scene.instances
         if item.object_type in SUPPORTS and item.corners[1][1] < HIGHEST_M
     ]
-    wishes = [_wish(scene, supports, rng, on_floor=k % 5 == 0) for k in range(CANDIDATES)]
+    wishes = [_wish(scene, supports, rng, meshes, on_floor=k % 5 == 0) for k in range(CANDIDATES)]
     origins = np.concatenate(
         [np.column_stack([at[:, 0], np.full(9, top), at[:, 1]]) for *_, at, top in wishes]
     )
@@ -86,17 +98,22 @@ def _soft(kind: str, like: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _wish(
-    scene: Scene, supports: list[Instance], rng: np.random.Generator, *, on_floor: bool
+    scene: Scene,
+    supports: list[Instance],
+    rng: np.random.Generator,
+    meshes: MoreMeshes | None,
+    *,
+    on_floor: bool,
 ) -> tuple[str, tuple[float, float, float], bool, NDArray[np.float64], float]:
     """Return class, size, whether on the floor, nine points (x, z) and the height above them."""
     names = LARGE if on_floor or not supports else SMALL
     odds = np.ones(len(names))
     odds[: 16 if names is SMALL else 5] = EVALUATED_ODDS
+    odds[-1] = EVALUATED_ODDS
+    if meshes is None:
+        odds[[name in MESHES_ONLY for name in names]] = 0
     kind = str(rng.choice(list(names), p=odds / odds.sum()))
-    sizes = sizes_of_type(kind) or [(0.2, 0.2, 0.2)]
-    base = np.asarray(sizes[int(rng.integers(len(sizes)))])
-    size = np.maximum(base * rng.uniform(0.85, 1.15, 3) * rng.uniform(0.9, 1.1), 0.006)
-    size_m = (float(size[0]), float(size[1]), float(size[2]))
+    size_m = _size(kind, rng, meshes)
     room = scene.room
     if names is LARGE:
         x = float(rng.uniform(room.x_low + 0.2, room.x_high - 0.2))
@@ -108,8 +125,21 @@ def _wish(
         low, high = supports[int(rng.choice(len(supports), p=weight))].corners
         x, z = float(rng.uniform(low[0], high[0])), float(rng.uniform(low[2], high[2]))
         top = float(high[1]) + FROM_ABOVE_M
-    points = np.array([x, z]) + GRID * max(size[0], size[2])
+    points = np.array([x, z]) + GRID * max(size_m[0], size_m[2])
     return kind, size_m, names is LARGE, points, top
+
+
+def _size(
+    kind: str, rng: np.random.Generator, meshes: MoreMeshes | None
+) -> tuple[float, float, float]:
+    """Return a size of a class: of one of AI2-THOR's, or as long but of a mesh's shape."""
+    sizes = [] if kind in MESHES_ONLY else sizes_of_type(kind)
+    base = np.asarray(sizes[int(rng.integers(len(sizes)))] if sizes else (0.2, 0.2, 0.2))
+    if meshes is not None and (not sizes or rng.random() < MESH_SIZE_SHARE):
+        longest = float(base.max()) if sizes else None
+        base = np.asarray(meshes.any_size(kind, longest, rng) or base)
+    size = np.maximum(base * rng.uniform(0.85, 1.15, 3) * rng.uniform(0.9, 1.1), 0.006)
+    return float(size[0]), float(size[1]), float(size[2])
 
 
 def _made(

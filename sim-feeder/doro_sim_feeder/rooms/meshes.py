@@ -109,16 +109,16 @@ class MeshLibrary:
             return self._files.get(str(folder / file), b"").decode("latin-1")
 
         def texture(file: str) -> NDArray[np.uint8] | None:
-            return _decode_texture(self._files.get(str(folder / file)))
+            return decode_texture(self._files.get(str(folder / file)))
 
         size = (float(row.width_cm) / 100, float(row.height_cm) / 100, float(row.depth_cm) / 100)
         parts = parse_obj(text(row.file), text, texture)
         if not parts:
             raise Refused(f"the mesh library's model {name} is empty: reinstall doro-sim-feeder")
-        return Mesh(name, size, _normalised(parts, size, row.rotation))
+        return Mesh(name, size, normalised(parts, size, row.rotation))
 
 
-def _normalised(
+def normalised(
     parts: tuple[Part, ...], size_m: tuple[float, float, float], rotation: str | None
 ) -> tuple[Part, ...]:
     """Return the parts turned, scaled, centred on the ground and mirrored to left-handed axes."""
@@ -148,7 +148,7 @@ def _normalised(
     )
 
 
-def _decode_texture(data: bytes | None) -> NDArray[np.uint8] | None:
+def decode_texture(data: bytes | None) -> NDArray[np.uint8] | None:
     if data is None:
         return None
     from PIL import Image  # noqa: PLC0415 - optional dependency of the extra "render"

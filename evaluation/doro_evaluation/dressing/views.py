@@ -1,0 +1,105 @@
+"""Where the camera of a training frame stands, and the light that it sees."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from doro_perception.classes import CLASSES
+from doro_sim_feeder.rooms.exploration import View
+from doro_sim_feeder.rooms.footprints import Rect
+from doro_sim_feeder.rooms.lighting import Lighting
+from doro_sim_feeder.rooms.scene import Scene
+from doro_sim_feeder.rooms.variation import random_view
+
+Rng = np.random.Generator
+CANDIDATE_VIEWS, HORIZON_DEG, FAR_M, SMALL_M = 4, (-8, 52), 3.5, 0.6
+CLOSE_M, CLOSE_EYES_M, CLOSE_TRIES = (0.45, 1.5), (0.9, 1.7), 12
+BLOOM_FROM, BLOOM_PX = 0.82, 9
+
+
+class Views:
+    """The views of one dressed room."""
+
+    def __init__(self, scene: Scene, views: list[View], taught: frozenset[str]) -> None:
+        self._scene, self._views = scene, views
+        self._middles = np.array([np.mean(item.corners, axis=0) for item in scene.instances])
+        self._sizes = np.array([np.ptp(item.corners, axis=0).max() for item in scene.instances])
+        self._taught = np.array([item.object_type in taught for item in scene.instances])
+        named = np.array([item.object_type in CLASSES for item in scene.instances])
+        self._small = np.flatnonzero(named & (self._sizes < SMALL_M))
+
+    def rich(self, rng: Rng) -> View:
+        """Return the one of several random views that has most small things before it."""
+        best: tuple[float, View] | None = None
+        for _ in range(CANDIDATE_VIEWS):
+            start = self._views[int(rng.integers(len(self._views)))]
+            turned = random_view(start, int(rng.integers(1 << 30)))
+            view = View(turned.position_m, turned.yaw_deg, int(rng.integers(*HORIZON_DEG)))
+            pose = view.pose()
+            at = (self._middles - np.asarray(pose.position_m)) @ pose.matrix()
+            inside = (np.abs(at[:, :2]) < 0.8 * at[:, 2:]).all(axis=1) & (at[:, 2] < FAR_M)
+            inside &= self._taught
+            worth = float((inside & (self._sizes < SMALL_M)).sum() + rng.uniform(0, 3))
+            worth += 0.7 * float((inside & (self._sizes >= SMALL_M)).sum())
+            if best is None or worth > best[0]:
+                best = (worth, view)
+        assert best is not None
+        return best[1]
+
+    def close(self, rng: Rng) -> View | None:
+        """Return a view of a small thing from where the robot can stand; None without one."""
+        for _ in range(CLOSE_TRIES if len(self._small) else 0):
+            middle = self._middles[int(rng.choice(self._small))]
+            away = self._scene.cells - middle[[0, 2]]
+            distance = np.hypot(*away.T)
+            near = np.flatnonzero((distance > CLOSE_M[0]) & (distance < CLOSE_M[1]))
+            if len(near) == 0:
+                continue
+            x, z = self._scene.cells[int(rng.choice(near))].tolist()
+            eyes = float(rng.uniform(*CLOSE_EYES_M))
+            across = float(np.hypot(x - middle[0], z - middle[2]))
+            yaw = np.degrees(np.arctan2(middle[0] - x, middle[2] - z)) + rng.normal(0, 9)
+            down = np.degrees(np.arctan2(eyes - middle[1], across)) + rng.normal(0, 7)
+            return View((x, eyes, z), int(yaw) % 360, int(np.clip(down, -30, 70)))
+        return None
+
+
+def room_light(room: Rect, rng: Rng) -> Lighting:
+    """Return a light: even or hard, warm or cold, from anywhere below the ceiling."""
+    share = rng.uniform(0.08, 0.92, 2)
+    warmth = float(rng.normal(0.15, 0.5))
+    hard = float(rng.uniform(0, 1))
+    return Lighting(
+        lamp_m=(
+            float(room.x_low + share[0] * (room.x_high - room.x_low)),
+            float(rng.uniform(1.7, 2.35)),
+            float(room.z_low + share[1] * (room.z_high - room.z_low)),
+        ),
+        lamp_color=(1 + 0.12 * warmth, 1.0, 1 - 0.18 * warmth),
+        ambient_color=(1 + 0.05 * warmth, 1.0, 1 - 0.07 * warmth),
+        lamp=0.25 + 0.65 * hard,
+        ambient=float(rng.uniform(0.5, 0.65)) - 0.35 * hard,
+        sky=float(rng.uniform(0.0, 0.16)),
+        side=float(rng.uniform(-0.14, 0.14)),
+        head=float(rng.uniform(0.0, 0.2)),
+        bounce=float(rng.uniform(0.05, 0.35)),
+        shadow=float(rng.uniform(0.05, 0.5)),
+        exposure=float(rng.uniform(0.6, 1.12)),
+        gamma=float(rng.uniform(0.75, 1.2)),
+    )
+
+
+def bloomed(color: NDArray[np.uint8], rng: Rng) -> NDArray[np.uint8]:
+    """Return a picture whose brightest places shine over their edges; now and then as it is."""
+    if rng.random() < 0.4:
+        return color
+    light = color.astype(np.float32) / 255
+    bright = np.maximum(light - BLOOM_FROM, 0)
+    glow = cv2.GaussianBlur(bright, (0, 0), BLOOM_PX * float(rng.uniform(0.5, 1.5)))
+    mean = light.mean(axis=2, keepdims=True)
+    light = mean + (light - mean) * float(rng.uniform(0.8, 1.15))
+    shone = light + glow * float(rng.uniform(0, 1.6))
+    done: NDArray[np.uint8] = np.clip(shone * 255, 0, 255).astype(np.uint8)
+    return done
