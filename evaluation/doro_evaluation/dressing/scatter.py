@@ -32,7 +32,7 @@ LARGE = (
     "Wardrobe",
 )  # fmt: skip
 MESHES_ONLY = frozenset({"TableTopDecor", "Wardrobe", "Boots", "Desktop"})
-MESH_SIZE_SHARE = 0.5
+MESH_SIZE_SHARE, CLOSED_SHARE = 0.5, 0.25
 SUPPORTS = frozenset(
     """CounterTop DiningTable CoffeeTable SideTable Desk Dresser TVStand Shelf ShelvingUnit Bed
     Sofa ArmChair Stool Chair Ottoman Toilet Bathtub Safe""".split()  # noqa: SIM905
@@ -138,6 +138,8 @@ def _size(
     if meshes is not None and (not sizes or rng.random() < MESH_SIZE_SHARE):
         longest = float(base.max()) if sizes else None
         base = np.asarray(meshes.any_size(kind, longest, rng) or base)
+    if kind == "Laptop" and rng.random() < CLOSED_SHARE:
+        base = base * np.array([1.0, 0.1, 1.0])
     size = np.maximum(base * rng.uniform(0.85, 1.15, 3) * rng.uniform(0.9, 1.1), 0.006)
     return float(size[0]), float(size[1]), float(size[2])
 
