@@ -7,84 +7,14 @@ import numpy as np
 from doro_evaluation.dressing.solids import (
     Maker,
     Rng,
-    about_x,
     accent,
     between,
     dark,
     hollow,
     lathe,
     tube,
-    turned,
 )
 from doro_sim_feeder.rooms.parts import Part, Rgb, blob_part, box_part
-
-
-def _lamp(rng: Rng, color: Rgb, tall: float) -> list[Part]:
-    wide, high = between(rng, 1.2, 2.2), between(rng, 1.4, 2.6)
-    top = between(rng, 0.5, 1.0) * wide
-    red, green, blue = (rng.random(3) * 0.7 + 0.3).tolist()
-    # The body names a lamp's colour in the rooms: the whole mesh is recoloured.
-    shade: Rgb = color if rng.random() < 0.6 else (red, green, blue)
-    foot = tall - high
-    parts = [lathe([(wide, foot), (top, tall), (top * 0.97, tall), (wide * 0.97, foot)], shade)]
-    if rng.random() < 0.5:
-        y = np.linspace(0, 1, 12)
-        bulge = np.abs(np.sin(np.pi * y * between(rng, 0.9, 1.8) + between(rng, 0, 1)))
-        radius = 0.4 + between(rng, 0.3, 0.9) * bulge
-        body = np.vstack([[[0, 0]], np.column_stack([radius, y * foot])])
-        return [*parts, lathe(body, color)]
-    pole = [(0, 0), (1.2, 0), (1.2, 0.2), (0.2, 0.35), (0.12, 0.5), (0.12, tall - high * 0.5)]
-    return [*parts, lathe(pole, color)]
-
-
-def _desk_lamp(rng: Rng, color: Rgb) -> list[Part]:
-    if rng.random() < 0.5:
-        return _lamp(rng, color, 6.0)
-    knee = between(rng, 2.0, 3.0)
-    arm = [(0, 0.2, 0), (0, knee, -0.8), (0, 4.2, 0.2), (0, 4.4, 1.4)]
-    head = turned(lathe([(0.9, 0), (0.45, 0.9), (0.15, 1.0), (0, 1.0)], color), np.eye(3))
-    base = lathe([(0, 0), (1, 0), (1, 0.2), (0, 0.25)], color)
-    return [base, tube(arm, 0.1, color), turned(head, about_x(-0.4), (0, 3.5, 1.6))]
-
-
-def _floor_lamp(rng: Rng, color: Rgb) -> list[Part]:
-    return _lamp(rng, color, 16.0)
-
-
-def _plant(rng: Rng, color: Rgb) -> list[Part]:
-    clay: Rgb = accent(rng, (0.7, 0.4, 0.25))
-    parts = [lathe(hollow([(0.6, 0), (0.9, 1.0), (1.0, 1.2)]), clay)]
-    green = np.asarray((0.12, 0.42, 0.12)) * rng.uniform(0.6, 1.5)
-    del color
-    for _ in range(int(rng.integers(9, 26))):
-        turn, reach, up = rng.uniform(0, 2 * np.pi), between(rng, 0.5, 2.0), between(rng, 1, 3)
-        way = np.array([np.cos(turn), 0, np.sin(turn)])
-        share = np.linspace(0, 1, 6)[:, None]
-        arc = [0, 1.0, 0] + way * reach * share + [0, 1, 0] * (up * share - 0.7 * share**3 * up)
-        tint = np.clip(green * rng.uniform(0.7, 1.35), 0, 1).tolist()
-        leaf = tube(arc, between(rng, 0.05, 0.2), (tint[0], tint[1], tint[2]), 5)
-        parts.append(leaf)
-    return parts
-
-
-def _table(rng: Rng, color: Rgb) -> list[Part]:
-    top, leg = between(rng, 0.04, 0.1), between(rng, 0.03, 0.07)
-    if rng.random() < 0.25:
-        disc = lathe([(0, 0), (0.5, 0), (0.5, top), (0, top)], color).moved((0, 1 - top, 0))
-        return [disc, lathe([(0, 0), (0.3, 0), (0.3, 0.03), (leg, 0.06), (leg, 1)], color)]
-    parts = [box_part((-0.5, 1 - top, -0.5), (0.5, 1, 0.5), color)]
-    for x in (-0.46, 0.46):
-        for z in (-0.46, 0.46):
-            low, high = (x - leg * 0.6, 0, z - leg * 0.6), (x + leg * 0.6, 1 - top, z + leg * 0.6)
-            parts.append(box_part(low, high, color))
-    if rng.random() < 0.35:
-        drawer = 1 - top - between(rng, 0.1, 0.5)
-        parts.append(box_part((-0.48, drawer, -0.48), (0.48, 1 - top, 0.48), dark(color, 0.9)))
-        handle = box_part((-0.08, drawer + 0.05, 0.48), (0.08, drawer + 0.08, 0.52), (0.2,) * 3)
-        parts.append(handle)
-    if rng.random() < 0.3:
-        parts.append(box_part((-0.47, 0.15, -0.47), (0.47, 0.19, 0.47), color))
-    return parts
 
 
 def _chair(rng: Rng, color: Rgb) -> list[Part]:
@@ -160,13 +90,6 @@ def _garbage_can(rng: Rng, color: Rgb) -> list[Part]:
 
 
 FURNITURE: dict[str, Maker] = {
-    "DeskLamp": _desk_lamp,
-    "FloorLamp": _floor_lamp,
-    "HousePlant": _plant,
-    "SideTable": _table,
-    "CoffeeTable": _table,
-    "DiningTable": _table,
-    "Desk": _table,
     "Chair": _chair,
     "Stool": _stool,
     "Sofa": _sofa,

@@ -239,10 +239,13 @@ def _watch(rng: Rng, color: Rgb) -> list[Part]:
     if rng.random() < 0.45:
         band = slab(0.5, 0.1, between(rng, 3, 5), other, 0.1)
         return [band, dial.moved((0, 0.06, 0)), glass.moved((0, 0.06, 0))]
-    angle = np.linspace(0, 2 * np.pi, 24)
-    ring = np.column_stack([np.zeros(24), 0.62 * np.sin(angle) + 0.62, np.cos(angle)])
-    sheets = [tube(ring + np.array([x, 0, 0]), 0.09, other, 6) for x in np.linspace(-0.2, 0.2, 4)]
-    return [*sheets, *(part.moved((0, 1.2, 0)) for part in (dial, glass))]
+    wide = between(rng, 0.35, 0.6)
+    band = lathe([(0.92, 0), (1, 0.06), (1, wide - 0.06), (0.92, wide), (0.9, 0)], other)
+    lean = about_x(np.pi / 2)
+    parts = [turned(part, lean, (0, wide / 2, 0.96)) for part in (dial, glass)]
+    if rng.random() < 0.5:
+        return [band, *parts]
+    return [turned(part, about_x(-np.pi / 2), (0, 0, 0)) for part in (band, *parts)]
 
 
 GADGETS: dict[str, Maker] = {

@@ -9,10 +9,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from doro_evaluation.dressing.appliances import APPLIANCES
+from doro_evaluation.dressing.cabinets import CABINETS
 from doro_evaluation.dressing.figures import FIGURES
 from doro_evaluation.dressing.furniture import FURNITURE
 from doro_evaluation.dressing.gadgets import GADGETS
 from doro_evaluation.dressing.papers import PAPERS
+from doro_evaluation.dressing.soft import SOFT
 from doro_evaluation.dressing.solids import (
     AROUND,
     Maker,
@@ -152,11 +155,6 @@ def _kettle(rng: Rng, color: Rgb) -> list[Part]:
     return [*parts, tube(handle, 0.08, other)]
 
 
-def _pillow(rng: Rng, color: Rgb) -> list[Part]:
-    square = (between(rng, 0.5, 0.9), between(rng, 0.25, 0.6))
-    return [blob_part((1, 0.4, 1), color, squareness=square)]
-
-
 def _apple(rng: Rng, color: Rgb) -> list[Part]:
     body = blob_part((1, 1, 1), color, squareness=(1, 1), dent=between(rng, 0.2, 0.4))
     stem = tube([(0, 0.8, 0), (0.03, 1.0, 0.0), (0.08, 1.1, 0)], 0.04, (0.25, 0.15, 0.06), 5)
@@ -183,6 +181,9 @@ MAKERS: dict[str, Maker] = {
     **FIGURES,
     **GADGETS,
     **PAPERS,
+    **CABINETS,
+    **APPLIANCES,
+    **SOFT,
     "Cup": _cup,
     "Mug": _mug,
     "Bowl": _bowl,
@@ -195,7 +196,6 @@ MAKERS: dict[str, Maker] = {
     "Pan": _pan,
     "Pot": _pot,
     "Kettle": _kettle,
-    "Pillow": _pillow,
     "Apple": _apple,
     "Bread": _bread,
     "Candle": _candle,
