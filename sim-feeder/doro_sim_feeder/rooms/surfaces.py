@@ -51,8 +51,8 @@ class Surface:
 
 PLAIN = Surface()
 SURFACES = {
-    "metal": Surface(shine=0.45, exponent=24.0, diffuse=0.5, mirror=0.6),
-    "glass": Surface(shine=0.6, exponent=90.0, mirror=0.08, clear=0.6),
+    "metal": Surface(shine=0.5, exponent=24.0, diffuse=0.4, mirror=0.8),
+    "glass": Surface(shine=0.7, exponent=90.0, mirror=0.12, clear=0.75),
     "ceramic": Surface(shine=0.34, exponent=60.0, mirror=0.06),
     "plastic": Surface(shine=0.16, exponent=30.0),
     "stone": Surface(shine=0.12, exponent=40.0, pattern=STONE),
