@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import cv2
 import numpy as np
 import torch
 from numpy.typing import NDArray
@@ -12,32 +13,44 @@ from torch.nn import functional
 
 from doro_perception.classes import CLASSES, COLOURS, MATERIALS
 from doro_perception.crop import SIDE_PX, cut_out
-from doro_perception.train.backbone import CHANNELS, MobileNetV2, Weights, scaled
+from doro_perception.train.backbone import CHANNELS, COCO, MobileNetV2, read_weights, scaled
+from doro_perception.train.efficientnet import (
+    HEAD_CHANNELS,
+    LEVELS,
+    EfficientNetLite,
+    packaged_lite,
+    read_lite,
+)
 from doro_perception.train.shards import Frame, Image, Rng, photometric, resized
 
 UNNAMED, NOTHING = len(CLASSES), len(CLASSES) + 1
 KINDS = len(CLASSES) + 2
 PER_FRAME, MIN_SIDE_PX = 6, 4
-BOX_JITTER = 0.06
+BOX_JITTER = 0.07
+STRENGTH, STRANGE_SHARE = 0.7, 0.15
 
 
 class CropNet(nn.Module):  # type: ignore[misc]
-    """Crops (n, 3, 96, 96) in -1..1 to logits of class, colour and material."""
+    """Crops (n, 3, 96, 96) in -1..1 to logits of class, colour and material.
 
-    def __init__(self, weights: Weights) -> None:
+    Args:
+        backbone: gives several levels of features of images.
+        width: channels of all its levels; hidden: of the layer between them and the answers.
+    """
+
+    def __init__(self, backbone: nn.Module, width: int, hidden: int) -> None:
         super().__init__()
-        self.backbone = MobileNetV2(weights)
-        width = sum(CHANNELS)
+        self.backbone = backbone
         self.norm, self.drop = nn.BatchNorm1d(width), nn.Dropout(0.2)
-        self.hidden = nn.Linear(width, 256)
+        self.hidden = nn.Linear(width, hidden)
         # Colour needs pixels, not shapes: the middle of the crop through 1 x 1 convolutions.
         self.pixels = nn.Sequential(nn.Conv2d(3, 32, 1), nn.ReLU(), nn.Conv2d(32, 48, 1), nn.ReLU())
-        self.kind = nn.Linear(256, KINDS)
-        self.colour = nn.Linear(256 + 96, len(COLOURS))
-        self.material = nn.Linear(256, len(MATERIALS))
+        self.kind = nn.Linear(hidden, KINDS)
+        self.colour = nn.Linear(hidden + 96, len(COLOURS))
+        self.material = nn.Linear(hidden, len(MATERIALS))
 
-    def forward(self, x: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-        levels = self.backbone(x)
+    def forward(self, x: Tensor, restyled: Tensor | None = None) -> tuple[Tensor, Tensor, Tensor]:
+        levels = self.backbone(x, restyled)
         pooled = torch.cat([level.float().mean((2, 3)) for level in levels], 1)
         hidden = functional.relu(self.hidden(self.drop(self.norm(pooled))))
         quarter = SIDE_PX // 4
@@ -50,15 +63,33 @@ class CropNet(nn.Module):  # type: ignore[misc]
         )
 
 
-class Exported(nn.Module):  # type: ignore[misc]
-    """What the ONNX file holds: uint8 crops (n, 96, 96, 3) to three logits each."""
+def boxes_net() -> CropNet:
+    """Return a net that begins from COCO's boxes: it knows small and hidden things."""
+    return CropNet(MobileNetV2(read_weights(COCO)), sum(CHANNELS), 256)
 
-    def __init__(self, model: CropNet) -> None:
+
+def names_net() -> CropNet:
+    """Return a net that begins from ImageNet's names: it learns shapes five times as fast."""
+    backbone = EfficientNetLite(read_lite(packaged_lite()))
+    return CropNet(backbone, sum(LEVELS.values()) + HEAD_CHANNELS, 320)
+
+
+class Exported(nn.Module):  # type: ignore[misc]
+    """What the ONNX file holds: uint8 crops (n, 96, 96, 3) to three logits each.
+
+    Of several nets the mean; every second one sees the mirror image, which costs nothing more.
+    """
+
+    def __init__(self, models: list[CropNet]) -> None:
         super().__init__()
-        self.model = model
+        self.models = nn.ModuleList(models)
 
     def forward(self, crops: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-        kind, colour, material = self.model(scaled(crops))
+        x = scaled(crops)
+        found = [
+            model(x if number % 2 == 0 else x.flip(3)) for number, model in enumerate(self.models)
+        ]
+        kind, colour, material = (torch.stack(items).mean(0) for items in zip(*found, strict=True))
         return kind, colour, material
 
 
@@ -91,11 +122,13 @@ def batch(
             count = min(PER_FRAME, len(good))
             for k in rng.choice(good, count, replace=False, p=p / p.sum()):
                 crop = _jittered(image, boxes[k], rng)
-                if crop is not None:
-                    crops.append(crop)
-                    labels.append(
-                        (int(frame.kind[k]), int(frame.colour[k]), int(frame.material[k]))
-                    )
+                if crop is None:
+                    continue
+                colour = int(frame.colour[k])
+                if rng.random() < STRANGE_SHARE:
+                    crop, colour = _strange(crop, rng), -1
+                crops.append(crop)
+                labels.append((int(frame.kind[k]), colour, int(frame.material[k])))
         for _ in range(2):
             empty = _background(image, boxes, rng)
             if empty is not None:
@@ -112,7 +145,36 @@ def _jittered(image: Image, box: NDArray[np.float32], rng: Rng) -> Image | None:
     crop = cut_out(image, moved)
     if rng.random() < 0.5:
         crop = np.ascontiguousarray(crop[:, ::-1])
-    return photometric(crop, rng, strength=0.5)
+    crop = _covered(_coarse(crop, rng), rng)
+    return photometric(crop, rng, strength=STRENGTH)
+
+
+def _strange(crop: Image, rng: Rng) -> Image:
+    """Return the crop in other colours: what a thing is seldom hangs on them."""
+    mixed = crop[..., rng.permutation(3)]
+    if rng.random() < 0.3:
+        mixed = np.repeat(mixed.mean(axis=2, keepdims=True), 3, axis=2).astype(np.uint8)
+    return np.ascontiguousarray(mixed)
+
+
+def _coarse(crop: Image, rng: Rng) -> Image:
+    """Return the crop as a far camera gives it, now and then."""
+    if rng.random() >= 0.25:
+        return crop
+    side = int(rng.integers(18, 64))
+    small = cv2.resize(crop, (side, side), interpolation=cv2.INTER_AREA)
+    return np.asarray(cv2.resize(small, (SIDE_PX, SIDE_PX)), np.uint8)
+
+
+def _covered(crop: Image, rng: Rng) -> Image:
+    """Return the crop with a part of it hidden, now and then."""
+    if rng.random() >= 0.2:
+        return crop
+    size = rng.integers(SIDE_PX // 8, SIDE_PX // 2, 2)
+    left, top = (int(rng.integers(0, SIDE_PX - n)) for n in size)
+    covered = crop.copy()
+    covered[top : top + size[1], left : left + size[0]] = rng.integers(0, 256, 3)
+    return covered
 
 
 def _background(image: Image, boxes: NDArray[np.float32], rng: Rng) -> Image | None:

@@ -26,8 +26,7 @@ from torch import nn
 from doro_perception.crop import cut_out
 from doro_perception.sessions import Session
 from doro_perception.train import crops, proposer
-from doro_perception.train.__main__ import COCO
-from doro_perception.train.backbone import read_weights
+from doro_perception.train.__main__ import untrained
 from doro_perception.train.shards import Shards, resized
 
 OUTPUTS = {"proposer": ["boxes", "scores", "kinds"], "crops": ["kind", "color", "material"]}
@@ -59,19 +58,28 @@ def inputs(network: str, shards: Shards) -> Iterator[Any]:
         yield np.stack([cut_out(image, frame.box[number]) for number in good])
 
 
-def loaded(network: str, checkpoint: Path) -> nn.Module:
-    """Return the exported form of a network with the averaged weights of a checkpoint."""
-    weights = read_weights(COCO)
-    proposing = network == "proposer"
-    model: nn.Module = proposer.Proposer(weights) if proposing else crops.CropNet(weights)
-    model.load_state_dict(torch.load(checkpoint, weights_only=True)["average"])
-    exported: nn.Module = proposer.Exported(model) if proposing else crops.Exported(model)
+def loaded(network: str, run: Path) -> nn.Module:
+    """Return the exported form of a network with the averaged weights of its checkpoints.
+
+    ``crops`` is the mean of the nets ``crops`` and ``names``, or one of them where the other was
+    not trained.
+    """
+    names = ["proposer"] if network == "proposer" else ["crops", "names"]
+    models = []
+    for name in names:
+        path = run / f"{name}.pt"
+        if path.exists():
+            model = untrained(name)
+            model.load_state_dict(torch.load(path, weights_only=True)["average"])
+            models.append(model)
+    exported: nn.Module
+    exported = proposer.Exported(models[0]) if network == "proposer" else crops.Exported(models)
     return exported.eval()
 
 
 def export(network: str, run: Path, shards: Shards, out: Path, *, int8: bool) -> None:
     """Write one network and print how far the file is from torch."""
-    model = loaded(network, run / f"{network}.pt")
+    model = loaded(network, run)
     examples = [next(inputs(network, shards)) for _ in range(1)]
     example = torch.from_numpy(examples[0])
     path = out / f"{network}.onnx"

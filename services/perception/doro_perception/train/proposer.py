@@ -77,8 +77,8 @@ class Proposer(nn.Module):  # type: ignore[misc]
         self.narrow = pointwise(96, 64)
         self.small, self.large = Head(64), Head(96)
 
-    def forward(self, x: Tensor) -> list[tuple[Tensor, Tensor]]:
-        c2, c3, c4, c5 = self.backbone(x)
+    def forward(self, x: Tensor, restyled: Tensor | None = None) -> list[tuple[Tensor, Tensor]]:
+        c2, c3, c4, c5 = self.backbone(x, restyled)
         p5 = self.side5(c5)
         p5 = p5 + self.context(p5)
         p4 = self.down4(_doubled(p5) + self.side4(c4))
