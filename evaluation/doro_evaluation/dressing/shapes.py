@@ -7,6 +7,8 @@ result into the size that the thing has in the room.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from doro_evaluation.dressing.appliances import APPLIANCES
@@ -14,7 +16,7 @@ from doro_evaluation.dressing.cabinets import CABINETS
 from doro_evaluation.dressing.figures import FIGURES
 from doro_evaluation.dressing.furniture import FURNITURE
 from doro_evaluation.dressing.gadgets import GADGETS
-from doro_evaluation.dressing.papers import PAPERS
+from doro_evaluation.dressing.papers import PAPERS, cover
 from doro_evaluation.dressing.soft import SOFT
 from doro_evaluation.dressing.solids import (
     AROUND,
@@ -68,7 +70,12 @@ def _mug(rng: Rng, color: Rgb) -> list[Part]:
     handle = np.column_stack(
         [0.95 + wide * np.cos(angle), 1.05 + high * np.sin(angle), np.zeros(12)]
     )
-    return [lathe(hollow(body, 0.1), color), tube(handle, between(rng, 0.09, 0.16), color)]
+    shell = lathe(hollow(body, 0.1), color)
+    ear = tube(handle, between(rng, 0.09, 0.16), color)
+    if rng.random() < 0.3:
+        band = lathe([(1.03 + belly, between(rng, 0.3, 0.9)), (1.04 + belly, 1.6)], (1.0, 1.0, 1.0))
+        return [shell, ear, replace(band, texture=cover(rng, color))]
+    return [shell, ear]
 
 
 def _bowl(rng: Rng, color: Rgb) -> list[Part]:
@@ -78,23 +85,43 @@ def _bowl(rng: Rng, color: Rgb) -> list[Part]:
 
 
 def _plate(rng: Rng, color: Rgb) -> list[Part]:
-    lip = between(rng, 0.5, 0.75)
-    rim = [(0, 0.02), (lip - 0.06, 0), (lip, 0.03), (1, 0.14), (1, 0.17), (lip, 0.07), (0, 0.05)]
-    return [lathe(rim, color)]
+    """Return a plate: flat or deep, its rim in another colour or with rings."""
+    lip, high = between(rng, 0.5, 0.8), between(rng, 0.08, 0.28)
+    around = 4 if rng.random() < 0.1 else 40
+    under = [(0, 0.02), (lip - 0.06, 0), (lip, 0.03), (1, high)]
+    parts = [lathe(under, color, around)]
+    rim = color if rng.random() < 0.55 else accent(rng, color)
+    parts.append(lathe([(1, high), (1, high + 0.03), (lip, 0.07)], rim, around))
+    parts.append(lathe([(lip, 0.07), (0, 0.05)], color, around))
+    if rng.random() < 0.3:
+        at = between(rng, 0.2, 0.9) * lip
+        parts.append(lathe([(at, 0.072), (at - 0.05, 0.072)], accent(rng, color), around))
+    return parts
 
 
 def _bottle(rng: Rng, color: Rgb) -> list[Part]:
-    neck, shoulder = between(rng, 0.22, 0.5), 6 * between(rng, 0.45, 0.72)
-    rows = [(0, 0), (1, 0), (1, shoulder), (neck + 0.15, shoulder + 0.9), (neck, shoulder + 1.3)]
-    rows += [(neck, 6.2), (neck + 0.08, 6.25), (neck + 0.08, 6.6), (0, 6.6)]
-    parts = [lathe(rows, color)]
+    """Return a bottle: long or short neck, waist or none, label and cap or not."""
+    neck, tall = between(rng, 0.2, 0.6), between(rng, 3.5, 7.0)
+    shoulder = tall * between(rng, 0.4, 0.8)
+    slope = (tall - shoulder) * between(rng, 0.15, 0.7)
+    waist, foot = between(rng, 0.8, 1.05), between(rng, 0.85, 1.0)
+    y = np.linspace(0, 1, 8)
+    fall = neck + (1 - neck) * (0.5 + 0.5 * np.cos(np.pi * y)) ** between(rng, 0.6, 1.5)
+    rows = [(0, 0), (foot, 0), (foot + 0.02, 0.1), (waist, shoulder * 0.5), (1, shoulder * 0.95)]
+    rows += list(zip(fall.tolist(), (shoulder + slope * y).tolist(), strict=True))
+    lip = neck + between(rng, 0, 0.1)
+    rows += [(neck, tall - 0.3), (lip, tall - 0.25), (lip, tall), (0, tall)]
+    around = 4 if rng.random() < 0.08 else AROUND
+    parts = [lathe(rows, color, around)]
+    if rng.random() < 0.65:
+        low = between(rng, 0.08, 0.3) * shoulder
+        top = min(low + between(rng, 0.9, 2.4), shoulder * 0.93)
+        wide = max(waist, foot) + 0.03
+        band = lathe([(wide, low), (wide, top)], (1.0, 1.0, 1.0), around)
+        tone = (0.93, 0.91, 0.85) if rng.random() < 0.5 else accent(rng, color)
+        parts.append(replace(band, texture=cover(rng, tone)))
     if rng.random() < 0.6:
-        low = between(rng, 0.15, 0.3) * 6
-        red, green, blue = (rng.random(3) * 0.5 + 0.45).tolist()
-        band = [(1.02, low), (1.02, min(low + between(rng, 0.9, 1.8), shoulder))]
-        parts.append(lathe(band, (red, green, blue)))
-    if rng.random() < 0.5:
-        cap = [(neck + 0.12, 6.1), (neck + 0.12, 6.65), (0, 6.65)]
+        cap = [(lip + 0.03, tall - 0.5), (lip + 0.03, tall + 0.05), (0, tall + 0.05)]
         parts.append(lathe(cap, accent(rng, color)))
     return parts
 
@@ -116,13 +143,34 @@ def _soap_bottle(rng: Rng, color: Rgb) -> list[Part]:
 
 
 def _vase(rng: Rng, color: Rgb) -> list[Part]:
-    y = np.linspace(0, 1, 14)
-    swell, wave, beat = between(rng, 0.3, 0.9), between(rng, 0, 0.6), between(rng, 2, 7)
-    phase, end = between(rng, 0, 6), between(rng, 0.75, 1.0)
-    radius = 0.45 + swell * 0.6 * np.abs(np.sin(np.pi * (y * end + 0.05)))
-    radius = np.maximum(radius + wave * 0.25 * np.sin(beat * y + phase), 0.15)
-    rows = list(zip(radius.tolist(), (y * 2.4).tolist(), strict=True))
-    return [lathe(hollow(rows, 0.05), color, around=6 if rng.random() < 0.2 else AROUND)]
+    """Return a vase: any smooth line turned, round or with edges, twisted, with a ring or ears."""
+    y = np.linspace(0, 1, 18)
+    waves = rng.uniform(-0.32, 0.32, 4) @ np.sin(np.outer(np.arange(1, 5) * np.pi, y))
+    foot, mouth = between(rng, 0.3, 0.8), between(rng, 0.2, 0.9)
+    radius = np.maximum(foot + (mouth - foot) * y + waves + 0.25 * np.sin(np.pi * y), 0.13)
+    rows = list(zip(radius.tolist(), (y * between(rng, 1.6, 3.2)).tolist(), strict=True))
+    around = int(rng.choice([AROUND, AROUND, AROUND, 40, 6, 8]))
+    body = lathe(hollow(rows, 0.05), color, around)
+    if rng.random() < 0.3:
+        tone = accent(rng, color)
+        k = int(rng.integers(3, 14))
+        ring = [(rows[k][0] + 0.015, rows[k][1]), (rows[k + 2][0] + 0.015, rows[k + 2][1])]
+        return [body, lathe(ring, tone, around)]
+    if rng.random() < 0.15:
+        ears = []
+        for side in (-1, 1):
+            at = np.linspace(-1.2, 1.2, 9)
+            x = side * (float(radius[11]) + 0.35 * np.cos(at) - 0.1)
+            up = rows[11][1] + 0.4 * np.sin(at)
+            ears.append(tube(np.column_stack([x, up, np.zeros(9)]), 0.07, color))
+        return [body, *ears]
+    if rng.random() < 0.2:
+        points = body.vertices.astype(np.float64)
+        angle = np.arctan2(points[:, 2], points[:, 0])
+        ribs = 1 + 0.06 * np.sin(int(rng.integers(6, 14)) * angle + points[:, 1])
+        points[:, [0, 2]] *= ribs[:, None]
+        return [replace(body, vertices=points.astype(np.float32))]
+    return [body]
 
 
 def _pan(rng: Rng, color: Rgb) -> list[Part]:
@@ -156,9 +204,18 @@ def _kettle(rng: Rng, color: Rgb) -> list[Part]:
 
 
 def _apple(rng: Rng, color: Rgb) -> list[Part]:
-    body = blob_part((1, 1, 1), color, squareness=(1, 1), dent=between(rng, 0.2, 0.4))
-    stem = tube([(0, 0.8, 0), (0.03, 1.0, 0.0), (0.08, 1.1, 0)], 0.04, (0.25, 0.15, 0.06), 5)
-    return [body, stem] if rng.random() < 0.6 else [body]
+    """Return an apple: narrower below, a dent and a stem above, perhaps a leaf."""
+    body = blob_part((1, between(rng, 0.85, 1), 1), color, dent=between(rng, 0.15, 0.4))
+    points = body.vertices.astype(np.float64)
+    points[:, [0, 2]] *= 1 - between(rng, 0.0, 0.3) * (1 - points[:, 1:2])
+    body = replace(body, vertices=points.astype(np.float32))
+    if rng.random() < 0.3:
+        return [body]
+    stem = tube([(0, 0.75, 0), (0.03, 0.95, 0.0), (0.08, 1.08, 0)], 0.03, (0.25, 0.15, 0.06), 5)
+    if rng.random() < 0.3:
+        leaf = blob_part((0.4, 0.03, 0.2), (0.15, 0.4, 0.1)).moved((0.25, 1.0, 0))
+        return [body, stem, leaf]
+    return [body, stem]
 
 
 def _bread(rng: Rng, color: Rgb) -> list[Part]:

@@ -13,6 +13,9 @@ from doro_sim_feeder.rooms.parts import Part, Rgb, bounds, unit, vertex_normals
 Rng = np.random.Generator
 Maker = Callable[[Rng, Rgb], list[Part]]
 AROUND = 24
+NEUTRAL: tuple[Rgb, ...] = (
+    (0.07, 0.07, 0.07), (0.88, 0.88, 0.86), (0.5, 0.5, 0.51), (0.35, 0.2, 0.11), (0.7, 0.7, 0.71),
+)  # fmt: skip
 
 
 def lathe(profile: ArrayLike, color: Rgb, around: int = AROUND) -> Part:
@@ -106,9 +109,12 @@ def dark(color: Rgb, share: float = 0.35) -> Rgb:
 
 
 def accent(rng: Rng, color: Rgb) -> Rgb:
-    """Return a colour for the lesser parts: a dark tone, or any other."""
-    if rng.random() < 0.5:
+    """Return a colour for the lesser parts: a dark tone, a plain one, or any other."""
+    kind = rng.random()
+    if kind < 0.4:
         return dark(color)
+    if kind < 0.75:
+        return NEUTRAL[int(rng.integers(len(NEUTRAL)))]
     red, green, blue = (rng.random(3) * 0.8 + 0.1).tolist()
     return (red, green, blue)
 
