@@ -10,19 +10,19 @@ from dataclasses import replace
 import numpy as np
 
 from doro_evaluation.dressing.doors import door
-from doro_evaluation.dressing.looks import shifted
+from doro_evaluation.dressing.looks import shifted, usual_rgb
 from doro_evaluation.dressing.more_meshes import MoreMeshes
-from doro_evaluation.dressing.prints import covering, landscape, picture, stretched
+from doro_evaluation.dressing.prints import cloth, covering, landscape, mapped, picture, stretched
 from doro_evaluation.dressing.solids import lathe
 from doro_evaluation.dressing.surfaces import near, wood_tone
 from doro_sim_feeder.rooms.appearance import PALETTE
 from doro_sim_feeder.rooms.fittings import CEILING_M
 from doro_sim_feeder.rooms.footprints import Rect
 from doro_sim_feeder.rooms.instances import Instance
-from doro_sim_feeder.rooms.parts import Part, Rgb, box_part, place
+from doro_sim_feeder.rooms.parts import Part, Rgb, box_part, place, vertex_normals
 
 Rng = np.random.Generator
-PROUD_M, FRAME_M = 0.07, 0.002
+PROUD_M, FRAME_M = 0.1, 0.002
 
 
 def deceivers(room: Rect, rng: Rng, meshes: MoreMeshes | None = None) -> list[Instance]:
@@ -41,10 +41,39 @@ def deceivers(room: Rect, rng: Rng, meshes: MoreMeshes | None = None) -> list[In
         found.append(Instance(f"Deceiver|door{number}", "Structure", parts, material=wooden))
     if meshes is not None:
         found += _mesh_fittings(room, rng, meshes)
+    if rng.random() < 0.3:
+        found.append(Instance("Deceiver|curtains", "Curtains", _curtains(room, rng)))
     for number in range(int(rng.integers(2, 9))):
         parts, kind = _on_wall(room, rng)
         found.append(Instance(f"Deceiver|wall{number}", kind, parts))
     return found
+
+
+def _curtains(room: Rect, rng: Rng) -> tuple[Part, ...]:
+    """Return one or two curtains in folds, on a rail."""
+    wide, high = float(rng.uniform(0.4, 1.0)), float(rng.uniform(1.1, 2.2))
+    folds, bulge = int(rng.integers(4, 12)), float(rng.uniform(0.015, 0.04))
+    color = usual_rgb("", "fabric", rng)
+    at = np.linspace(0, 1, 8 * folds)
+    path = np.column_stack([wide * at, np.zeros(len(at)), bulge * np.sin(2 * np.pi * folds * at)])
+    ends = np.concatenate([path, path + np.array([0, high, 0])])
+    count = len(at)
+    k = np.arange(count - 1)
+    faces = np.concatenate([np.stack([k, k + 1, k + count + 1], 1),
+                            np.stack([k, k + count + 1, k + count], 1)])  # fmt: skip
+    normals = vertex_normals(ends, faces).astype(np.float32)
+    sheet = Part(ends.astype(np.float32), faces.astype(np.int32), normals, None, color)
+    if rng.random() < 0.4:
+        sheet = mapped(sheet, cloth(rng, color), 0.4)
+    gap = float(rng.uniform(0, 1.0))
+    sheets = [sheet.moved((-wide - gap / 2, 0, 0))]
+    if rng.random() < 0.7:
+        sheets.append(sheet.moved((gap / 2, 0, 0)))
+    span = wide + gap / 2 + 0.05
+    rail = box_part((-span, high, -0.01), (span, high + 0.025, 0.015), (0.3, 0.25, 0.2))
+    low_m = 0.03 if high > 1.8 else float(rng.uniform(0.4, 0.9))
+    size = (2 * span, high, 0.12)
+    return _at_wall(room, (*sheets, rail), size, low_m, rng)
 
 
 def _any(rng: Rng) -> str:
