@@ -175,12 +175,8 @@ class Captioner:
         return boxes[0].astype(np.float64), score, np.clip(told, 0.0, 1.0)
 
     def read(self, rgb: RgbImage, boxes: FloatArray) -> Read:
-        """Return what the crop net says of each box, and of its mirror image."""
-        crops = np.stack([cut_out(rgb, box) for box in boxes])
-        logits = self._logits(crops)
-        if self._settings.mirror:
-            other = self._logits(np.ascontiguousarray(crops[:, :, ::-1]))
-            logits = [(a + b) / 2 for a, b in zip(logits, other, strict=True)]
+        """Return what the crop net says of each box."""
+        logits = self._logits(np.stack([cut_out(rgb, box) for box in boxes]))
         use = self.calibration
         heat = (use.temperature, use.color_temperature, use.material_temperature)
         return Read(*(softmax(item / t) for item, t in zip(logits, heat, strict=True)))

@@ -86,7 +86,7 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
         captioner_threshold: calibrated scores below it are not reported as detections.
         double_iou: of two boxes of one name that overlap more, the better one stays.
         candidate_score: proposals below it are not looked at.
-        mirror: the captioner looks at the mirrored image and crops as well.
+        mirror: the captioner looks for boxes in the mirrored image as well.
         max_boxes: at most so many proposals of a frame are looked at, the best ones.
         unnamed_threshold: what is surely there and has no name is reported from here on; above
             1: never.
