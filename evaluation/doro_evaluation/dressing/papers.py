@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 
 from doro_evaluation.dressing.prints import Texture, picture, stretched
-from doro_evaluation.dressing.solids import Maker, Rng, about_x, accent, between, dark, turned
+from doro_evaluation.dressing.solids import (
+    Maker,
+    Rng,
+    about_x,
+    accent,
+    between,
+    dark,
+    lathe,
+    turned,
+)
 from doro_sim_feeder.rooms.parts import Part, Rgb, blob_part, box_part
 
 WHITE: Rgb = (1.0, 1.0, 1.0)
@@ -188,8 +199,19 @@ def _newspaper(rng: Rng, color: Rgb) -> list[Part]:
     if rng.random() < 0.7:
         grey = cv2.cvtColor(cv2.resize(picture(rng), (50, 36)), cv2.COLOR_RGB2GRAY)
         image[40:76, 20:70] = grey[..., None]
-    high = between(rng, 0.03, 0.12)
-    return [stretched(box_part((-0.4, 0, -0.5), (0.4, high, 0.5), WHITE), image)]
+    kind, high = rng.random(), between(rng, 0.03, 0.12)
+    if kind < 0.2:
+        roll = lathe([(0, 0), (0.12, 0), (0.12, 1), (0, 1)], WHITE)
+        lying = turned(replace(roll, texture=image), about_x(np.pi / 2))
+        return [lying.moved((0, 0.12, 0))]
+    parts = [stretched(box_part((-0.4, 0, -0.5), (0.4, high, 0.5), WHITE), image)]
+    if kind < 0.6:
+        angle = between(rng, -0.4, 0.4)
+        cos, sin = np.cos(angle), np.sin(angle)
+        turn = np.array([[cos, 0, sin], [0, 1, 0], [-sin, 0, cos]])
+        leaf = box_part((-0.4, high, -0.5), (0.38, high + 0.012, between(rng, 0.0, 0.5)), WHITE)
+        parts.append(turned(stretched(leaf, image[::-1].copy()), turn))
+    return parts
 
 
 PAPERS: dict[str, Maker] = {

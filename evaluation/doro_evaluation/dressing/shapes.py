@@ -22,6 +22,7 @@ from doro_evaluation.dressing.solids import (
     AROUND,
     Maker,
     Rng,
+    about_x,
     accent,
     between,
     dark,
@@ -29,10 +30,11 @@ from doro_evaluation.dressing.solids import (
     hollow,
     lathe,
     tube,
+    turned,
 )
-from doro_sim_feeder.rooms.parts import Part, Rgb, blob_part, bounds, box_part
+from doro_sim_feeder.rooms.parts import Part, Rgb, blob_part, bounds, box_part, place
 
-TRIES, LITTLE_STRETCH = 4, 1.7
+TRIES, LITTLE_STRETCH, SMALL_M = 4, 1.7, 0.5
 
 
 def make_shape(
@@ -46,6 +48,10 @@ def make_shape(
     for _ in range(TRIES):
         parts = maker(rng, color)
         low, high = bounds(tuple(parts))
+        across = (high[0] - low[0] > high[2] - low[2]) != (size_m[0] > size_m[2])
+        if across and max(size_m) < SMALL_M:
+            parts = list(place(tuple(parts), 90.0, (0, 0, 0)))
+            low, high = bounds(tuple(parts))
         ratio = np.asarray(size_m) / np.maximum(high - low, 1e-6)
         tries.append((float(ratio.max() / ratio.min()), parts))
         if tries[-1][0] < LITTLE_STRETCH:
@@ -127,11 +133,20 @@ def _bottle(rng: Rng, color: Rgb) -> list[Part]:
 
 
 def _spray_bottle(rng: Rng, color: Rgb) -> list[Part]:
-    parts = [lathe([(0, 0), (1, 0), (0.95, 2.4), (0.35, 3.2), (0.3, 3.8)], color)]
-    head = accent(rng, color)
-    parts.append(box_part((-0.3, 3.8, -0.4), (0.3, 4.3, 1.1), head))
-    parts.append(box_part((-0.1, 3.1, 0.5), (0.1, 3.9, 0.75), head))
-    return parts
+    """Return a bottle with a trigger: straight, with a waist, or a cone; perhaps a label."""
+    waist, top = between(rng, 0.55, 1.0), between(rng, 0.3, 0.45)
+    tall = between(rng, 2.2, 3.2)
+    body = [(0, 0), (1, 0), (1, 0.3), (waist, tall * 0.6), (between(rng, 0.6, 1.0), tall * 0.75)]
+    parts = [lathe([*body, (top, tall), (top, tall + 0.4)], color)]
+    if rng.random() < 0.5:
+        band = lathe([(1.03, 0.3), ((1 + waist) / 2 + 0.05, tall * 0.45)], (1.0, 1.0, 1.0))
+        parts.append(replace(band, texture=cover(rng, accent(rng, color))))
+    head, up, ahead = accent(rng, color), tall + 0.4, between(rng, 0.8, 1.4)
+    parts.append(box_part((-0.3, up, -between(rng, 0.3, 0.7)), (0.3, up + 0.55, ahead), head))
+    parts.append(lathe([(0.16, 0), (0.12, 0.2)], dark(head), 8).moved((0, up + 0.1, ahead)))
+    lean = about_x(-between(rng, 0.0, 0.5))
+    trigger = box_part((-0.1, -0.9, 0), (0.1, 0, 0.2), head)
+    return [*parts, turned(trigger, lean, (0, up + 0.1, 0.45))]
 
 
 def _soap_bottle(rng: Rng, color: Rgb) -> list[Part]:
@@ -195,12 +210,23 @@ def _pot(rng: Rng, color: Rgb) -> list[Part]:
 
 
 def _kettle(rng: Rng, color: Rgb) -> list[Part]:
-    parts = [lathe([(0, 0), (1, 0), (1.05, 0.5), (0.7, 1.5), (0.2, 1.7), (0, 1.9)], color)]
-    other = accent(rng, color)
-    parts.append(tube([(0.8, 0.7, 0), (1.3, 1.1, 0), (1.5, 1.5, 0)], 0.12, color))
-    angle = np.linspace(0, np.pi, 10)
-    handle = np.column_stack([0.8 * np.cos(angle), 1.5 + 0.9 * np.sin(angle), np.zeros(10)])
-    return [*parts, tube(handle, 0.08, other)]
+    """Return a kettle for the stove, its handle above, or an electric one, its handle beside."""
+    other, tall = accent(rng, color), between(rng, 1.2, 2.6)
+    belly, top = between(rng, 0.95, 1.15), between(rng, 0.4, 0.8)
+    rows = [(0, 0), (1, 0), (belly, tall * 0.3), (top, tall * 0.85), (0.2, tall), (0, tall)]
+    parts = [lathe(rows, color), blob_part((0.3, 0.25, 0.3), other).moved((0, tall, 0))]
+    spout = [(0.8, tall * 0.4, 0), (1.25, tall * 0.65, 0), (1.45, tall * 0.85, 0)]
+    parts.append(tube(spout, between(rng, 0.1, 0.16), color))
+    if rng.random() < 0.5:
+        angle = np.linspace(0, np.pi, 10)
+        up = tall * 0.8 + between(rng, 0.6, 1.1) * np.sin(angle)
+        handle = np.column_stack([0.8 * np.cos(angle), up, np.zeros(10)])
+    else:
+        angle = np.linspace(-1.3, 1.3, 10)
+        reach = -0.7 - between(rng, 0.4, 0.7) * np.cos(angle)
+        handle = np.column_stack([reach, tall * (0.5 + 0.35 * np.sin(angle)), np.zeros(10)])
+        parts.append(lathe([(1.02, 0), (1.02, 0.12), (0.9, 0.14)], other))
+    return [*parts, tube(handle, between(rng, 0.06, 0.12), other)]
 
 
 def _apple(rng: Rng, color: Rgb) -> list[Part]:
