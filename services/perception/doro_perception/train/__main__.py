@@ -243,7 +243,7 @@ def main() -> None:
             )
         if now - saved > SAVE_S:
             trainer.save()
-            saved = time.monotonic()
+            saved = now
     trainer.save()
     log.write(f"# done after {trainer.state.steps} steps\n")
 
