@@ -24,6 +24,7 @@ from doro_sim_feeder.rooms.parts import Part, bounds, box_part, place
 
 SIZE_M = (0.3, 0.4, 0.2)
 SEEDS = range(6)
+PRINTED = {"AluminumFoil", "CD", "CreditCard"}  # flat: what differs is printed or coloured
 ROOM = Rect(-2.0, 2.0, -1.5, 1.5)
 CUBE = """mtllib cube.mtl
 v 0 0 0
@@ -69,7 +70,7 @@ def test_a_shape_fills_its_size_and_can_be_shaded(kind: str) -> None:
             assert np.mean(np.abs(length - 1) < 1e-3) > 0.8
 
 
-@pytest.mark.parametrize("kind", sorted(MAKERS))
+@pytest.mark.parametrize("kind", sorted(set(MAKERS) - PRINTED))
 def test_a_shape_follows_from_its_seed(kind: str) -> None:
     for first, second in zip(drawn(kind, 3), drawn(kind, 3), strict=True):
         np.testing.assert_array_equal(first.vertices, second.vertices)

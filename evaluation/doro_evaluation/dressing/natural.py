@@ -11,6 +11,7 @@ import numpy as np
 
 from doro_evaluation.dressing.looks import seen_colour, shifted, usual_rgb
 from doro_evaluation.dressing.more_meshes import MoreMeshes
+from doro_evaluation.dressing.oddments import ODDMENTS
 from doro_evaluation.dressing.prints import mapped
 from doro_evaluation.dressing.shapes import make_shape
 from doro_evaluation.dressing.surfaces import wood, wood_tone
@@ -69,7 +70,7 @@ def natural(item: Instance, rng: Rng, meshes: MoreMeshes | None) -> Instance:
         if kind == "Statue" and rng.random() < 0.7:
             material = str(rng.choice(list(MADE_OF["Statue"])))
             parts = _of_one_piece(parts, material, rng)
-    elif rng.random() < SHAPE_SHARE:
+    elif rng.random() < SHAPE_SHARE or kind in ODDMENTS:
         parts = make_shape(kind, size, usual_rgb(kind, material, rng), rng)
     if parts is None:
         key = str(rng.integers(1 << 30))

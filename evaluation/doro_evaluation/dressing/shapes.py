@@ -16,6 +16,7 @@ from doro_evaluation.dressing.cabinets import CABINETS
 from doro_evaluation.dressing.figures import FIGURES
 from doro_evaluation.dressing.furniture import FURNITURE
 from doro_evaluation.dressing.gadgets import GADGETS
+from doro_evaluation.dressing.oddments import ODDMENTS
 from doro_evaluation.dressing.papers import PAPERS, cover
 from doro_evaluation.dressing.soft import SOFT
 from doro_evaluation.dressing.solids import (
@@ -267,6 +268,7 @@ MAKERS: dict[str, Maker] = {
     **CABINETS,
     **APPLIANCES,
     **SOFT,
+    **ODDMENTS,
     "Cup": _cup,
     "Mug": _mug,
     "Bowl": _bowl,
