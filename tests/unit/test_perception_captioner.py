@@ -38,7 +38,7 @@ KINDS = np.zeros((1, 5, UNNAMED + 1), np.float32)
 KINDS[0, np.arange(5), [CUP, BOWL, BOWL, UNNAMED, CUP]] = SCORES[0]
 
 
-def proposer() -> bytes:
+def proposer(shape: tuple[int | str, ...] = (1, 320, 320, 3)) -> bytes:
     nodes = [
         node("Cast", ["image"], ["pixels"], to=FLOAT),
         node("ReduceMean", ["pixels"], ["mean"], axes=[1, 2, 3], keepdims=0),
@@ -55,7 +55,7 @@ def proposer() -> bytes:
     }
     outputs = [port("boxes", FLOAT, [1, 5, 4]), port("scores", FLOAT, [1, 5])]
     outputs.append(port("kinds", FLOAT, [1, 5, UNNAMED + 1]))
-    return model(nodes, constants, [port("image", UINT8, [1, 320, 320, 3])], outputs)
+    return model(nodes, constants, [port("image", UINT8, list(shape))], outputs)
 
 
 def crop_net() -> bytes:
@@ -232,7 +232,7 @@ def test_a_damaged_calibration_is_refused(folder: Path) -> None:
 @pytest.mark.parametrize("side", [(480, 640), (37, 900), (16, 16), (4320, 7680)])
 def test_any_image_size_works(side: tuple[int, int], folder: Path) -> None:
     image = np.full((*side, 3), 90, np.uint8)
-    small, scale = fitted(image)
+    small, scale = fitted(image, 320)
     assert small.shape == (320, 320, 3)
     assert scale == pytest.approx(320 / max(side))
     for item in Captioner(settings(folder)).detect(image):
@@ -265,3 +265,15 @@ def test_of_two_boxes_of_one_name_the_better_one_stays() -> None:
     bowl = Detection(box_px=(0, 0, 10, 5), score=0.7, name="bowl")
     apart = Detection(box_px=(8, 0, 18, 10), score=0.6, name="cup")
     assert without_doubles([first, double, bowl, apart], 0.4) == [first, bowl, apart]
+
+
+def test_the_side_of_the_image_is_that_of_the_model(folder: Path) -> None:
+    (folder / "proposer.onnx").write_bytes(proposer((1, 640, 640, 3)))
+    (folder / "proposer.onnx.sha256").unlink(missing_ok=True)
+    (first, *_) = Captioner(settings(folder)).detect(picture())
+    assert first.box_px[2] - first.box_px[0] == pytest.approx(40, abs=1)
+    others: list[tuple[int | str, ...]] = [(1, 320, 256, 3), (1, "h", "w", 3)]
+    for shape in others:
+        (folder / "proposer.onnx").write_bytes(proposer(shape))
+        with pytest.raises(Refused, match=r"takes images .* not \(1, side, side, 3\)"):
+            Captioner(settings(folder))

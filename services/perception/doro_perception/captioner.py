@@ -33,7 +33,6 @@ from doro_schemas.errors import Refused
 PACKAGED_FOLDER = Path(__file__).parent / "models" / "captioner"
 PROPOSER, CROPS, CALIBRATION = "proposer.onnx", "crops.onnx", "calibration.json"
 ADVICE = "set perception.captioner to the folder of its models, or leave it empty"
-SIDE_PX = 320
 PADDING = 114
 UNNAMED, NOTHING = len(CLASSES), len(CLASSES) + 1
 FLOOR = 0.01
@@ -94,6 +93,7 @@ class Captioner:
         image, floats = "tensor(uint8)", "tensor(float)"
         self._proposer = Session(folder / PROPOSER, settings.threads, ADVICE)
         self._proposer.need({"image": image}, {"boxes": floats, "scores": floats, "kinds": floats})
+        self._side_px = square_side_px(self._proposer)
         self._crops = Session(folder / CROPS, settings.threads, ADVICE)
         self._crops.need({"crops": image}, {"kind": floats, "color": floats, "material": floats})
         self.calibration = read_calibration(folder / CALIBRATION)
@@ -105,7 +105,7 @@ class Captioner:
 
     def warm_up(self) -> None:
         """Look at a gray image and a crop, which also checks the shapes of the outputs."""
-        gray = np.full((SIDE_PX, SIDE_PX, 3), 127, np.uint8)
+        gray = np.full((self._side_px, self._side_px, 3), 127, np.uint8)
         self.detect(gray)
         self.read(gray, np.array([[10.0, 10.0, 200.0, 200.0]]))
 
@@ -128,13 +128,13 @@ class Captioner:
 
     def propose(self, rgb: RgbImage) -> Candidates:
         """Return the places that may hold a thing, merged over classes, best first."""
-        image, scale = fitted(rgb)
+        image, scale = fitted(rgb, self._side_px)
         raw, score, kind = self._peaks(image)
         if self._settings.mirror:
             # Beside the mirrored image lies the padding of a wide or high one: mirror all of it.
             other, more, kinds = self._peaks(np.ascontiguousarray(image[:, ::-1]))
-            turned = np.column_stack([SIDE_PX - other[:, 2], other[:, 1]])
-            turned = np.column_stack([turned, SIDE_PX - other[:, 0], other[:, 3]])
+            turned = np.column_stack([self._side_px - other[:, 2], other[:, 1]])
+            turned = np.column_stack([turned, self._side_px - other[:, 0], other[:, 3]])
             raw, score = np.vstack([raw, turned]), np.concatenate([score, more])
             kind = np.vstack([kind, kinds])
         good = np.flatnonzero(
@@ -261,16 +261,32 @@ def read_calibration(path: Path) -> Calibration:
         raise Refused(f"{path} is no calibration ({error}): {ADVICE}") from error
 
 
-def fitted(rgb: RgbImage) -> tuple[RgbImage, float]:
-    """Return the image scaled into 320 x 320, gray below or beside it, and the scale."""
+def square_side_px(proposer: Session) -> int:
+    """Return the side of the images that a proposer takes.
+
+    Raises:
+        Refused: it takes others than (1, side, side, 3) of a fixed side.
+    """
+    shape = proposer.inputs[0].shape
+    side = shape[1] if len(shape) == 4 else None
+    if not isinstance(side, int) or side < 1 or shape[2:] != (side, 3):
+        raise Refused(
+            f"model {proposer.path.name} takes images {list(shape)}, not"
+            f" (1, side, side, 3) of a fixed side: {ADVICE}"
+        )
+    return side
+
+
+def fitted(rgb: RgbImage, side_px: int) -> tuple[RgbImage, float]:
+    """Return the image scaled into a square, gray below or beside it, and the scale."""
     height, width = rgb.shape[:2]
-    scale = SIDE_PX / max(height, width)
+    scale = side_px / max(height, width)
     wide, high = max(1, round(width * scale)), max(1, round(height * scale))
     how = cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR
     small = cv2.resize(np.ascontiguousarray(rgb), (wide, high), interpolation=how)
-    if (wide, high) == (SIDE_PX, SIDE_PX):
+    if (wide, high) == (side_px, side_px):
         return np.asarray(small, np.uint8), scale
-    canvas = np.full((SIDE_PX, SIDE_PX, 3), PADDING, np.uint8)
+    canvas = np.full((side_px, side_px, 3), PADDING, np.uint8)
     canvas[:high, :wide] = small
     return canvas, scale
 
