@@ -1,4 +1,4 @@
-"""Furniture, lamps and plants in drawn proportions; see :mod:`perception_shapes`."""
+"""Seats, beds and garbage cans in drawn proportions; see :mod:`.shapes`."""
 
 from __future__ import annotations
 

@@ -3,8 +3,8 @@
 They are not committed. On Debian: ``apt-get download sweethome3d-furniture`` and
 ``dpkg-deb -x sweethome3d-furniture_*.deb MESHES``; then ``--meshes MESHES``. The libraries are zip
 files named ``*.sh3f``: BlendSwap-CC-0 (CC0), BlendSwap-CC-BY, Scopia (CC-BY 3.0), KatorLegaz and
-Reallusion (CC-BY 3.0 US); each catalogue names the authors. ``more_meshes.tsv`` tells which of
-the models belongs to which class and, where one sees it, what it is made of.
+Reallusion (CC-BY 3.0 US). ``more_meshes.tsv`` tells which of the models belongs to which class,
+what it is made of where one sees it, and who made it; they are scaled, shaded and recoloured.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def read_index(path: Path = INDEX) -> list[Row]:
     """Return the rows of the index."""
     lines = path.read_text().splitlines()[1:]
     words = [line.split("\t") for line in lines]
-    return [Row(a, b, c, None if d == "-" else d) for a, b, c, d in words]
+    return [Row(a, b, c, None if d == "-" else d) for a, b, c, d, _creator in words]
 
 
 class MoreMeshes:
