@@ -38,12 +38,13 @@ from doro_sim_feeder.rooms.appearance import (
 )
 from doro_sim_feeder.rooms.footprints import ON_WALLS
 from doro_sim_feeder.rooms.instances import Instance
+from doro_sim_feeder.rooms.meshes import mesh_library
 from doro_sim_feeder.rooms.parts import Part, Rgb, bounds, box_part, place, yaw_matrix
 from doro_sim_feeder.rooms.scene import FLAT, Scene, object_parts
 
 Rng = np.random.Generator
 SHAPE_SHARE, MESH_SHARE, COLOR_SHARE, CLOTH_SHARE = 0.42, 0.3, 0.5, 0.45
-HOUSE_SHARE = 0.67
+HOUSE_SHARE, BOXES_SHARE = 0.67, 0.8
 FIXED = FLAT | ON_WALLS | {"CounterTop", "Sink", "Cabinet", "Drawer", "Structure", "Curtains"}
 SHELL = frozenset({"Floor", "Wall", "Ceiling"})
 OWN_COLOR = frozenset({"Bread", "HousePlant", "TeddyBear", "BasketBall", "Potato", "Egg"})
@@ -116,7 +117,8 @@ def _object(item: Instance, rng: Rng) -> Instance:
     """Return a thing with another shape, mesh, colour or print, in the same place."""
     kind = item.object_type
     low, high = item.corners
-    if (high - low).max() > 0.02 and rng.random() < SHAPE_SHARE:
+    share = SHAPE_SHARE if mesh_library().choose(kind, 0) else BOXES_SHARE
+    if (high - low).max() > 0.02 and rng.random() < share:
         item = _reshaped(item, rng, shape=True)
     elif rng.random() < MESH_SHARE:
         item = _reshaped(item, rng, shape=False)

@@ -187,7 +187,7 @@ def frames_of(
     rng = np.random.default_rng([seed, number, int(dress)])
     scene = _scene(room)
     if dress:
-        things = int(rng.integers(10, 34)), int(rng.integers(1, 6))
+        things = int(rng.integers(10, 34)), int(rng.integers(2, 9))
         scene = dressed(scattered(scene, rng, *things, meshes), rng, meshes)
     else:
         scene = with_copies(scene, rng, 6)

@@ -31,6 +31,7 @@ LARGE = (
     "Dresser", "DiningTable", "ShelvingUnit", "TVStand", "Bed", "Television", "TeddyBear",
     "Wardrobe",
 )  # fmt: skip
+MORE_OFTEN = frozenset({"DogBed", "Safe", "Dresser", "CellPhone", "RemoteControl", "Watch"})
 MESHES_ONLY = frozenset({"TableTopDecor", "Wardrobe", "Boots", "Desktop"})
 MESH_SIZE_SHARE, CLOSED_SHARE = 0.5, 0.25
 SUPPORTS = frozenset(
@@ -110,6 +111,7 @@ def _wish(
     odds = np.ones(len(names))
     odds[: 16 if names is SMALL else 5] = EVALUATED_ODDS
     odds[-1] = EVALUATED_ODDS
+    odds[[name in MORE_OFTEN for name in names]] = EVALUATED_ODDS
     if meshes is None:
         odds[[name in MESHES_ONLY for name in names]] = 0
     kind = str(rng.choice(list(names), p=odds / odds.sum()))

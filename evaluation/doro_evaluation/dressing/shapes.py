@@ -167,6 +167,10 @@ def _vase(rng: Rng, color: Rgb) -> list[Part]:
     rows = list(zip(radius.tolist(), (y * between(rng, 1.6, 3.2)).tolist(), strict=True))
     around = int(rng.choice([AROUND, AROUND, AROUND, 40, 6, 8]))
     body = lathe(hollow(rows, 0.05), color, around)
+    if rng.random() < 0.15:
+        reach, top = rows[-1]
+        lid = [(reach * 1.05, top), (reach, top + 0.2), (0.15, top + 0.3), (0.15, top + 0.45)]
+        return [body, lathe([*lid, (0, top + 0.5)], color if rng.random() < 0.5 else dark(color))]
     if rng.random() < 0.3:
         tone = accent(rng, color)
         k = int(rng.integers(3, 14))
