@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from doro_evaluation.dressing.dress import dressed
 from doro_evaluation.dressing.more_meshes import MoreMeshes
-from doro_evaluation.dressing.scatter import scattered
+from doro_evaluation.dressing.scatter import held, scattered
 from doro_evaluation.dressing.views import Views, bloomed, room_light
 from doro_perception.classes import CLASSES, COLOURS, MATERIALS, UNNAMED
 from doro_schemas.camera import Pose
@@ -188,7 +188,8 @@ def frames_of(
     scene = _scene(room)
     if dress:
         things = int(rng.integers(10, 34)), int(rng.integers(2, 9))
-        scene = dressed(scattered(scene, rng, *things, meshes), rng, meshes)
+        scene = held(scattered(scene, rng, *things, meshes), rng, int(rng.integers(0, 4)), meshes)
+        scene = dressed(scene, rng, meshes)
     else:
         scene = with_copies(scene, rng, 6)
     pairs = [(k, item.parts) for k, item in enumerate(scene.instances, start=1)]

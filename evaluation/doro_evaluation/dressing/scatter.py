@@ -7,6 +7,8 @@ a hundred times as long.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -33,7 +35,14 @@ LARGE = (
 )  # fmt: skip
 MORE_OFTEN = frozenset({"DogBed", "Safe", "Dresser", "CellPhone", "RemoteControl", "Watch"})
 MESHES_ONLY = frozenset({"TableTopDecor", "Wardrobe", "Boots", "Desktop"})
-MESH_SIZE_SHARE, CLOSED_SHARE = 0.5, 0.25
+MESH_SIZE_SHARE, CLOSED_SHARE, STANDING_SHARE, SOFT_SHARE = 0.5, 0.25, 0.25, 0.7
+SOFT = frozenset({"Bed", "Sofa", "ArmChair"})
+HELD = (
+    "AlarmClock", "DeskLamp", "Book", "Laptop", "Pillow", "RemoteControl", "CellPhone", "Vase",
+    "Statue", "TeddyBear", "Box", "Bowl", "Mug", "Cup", "Plate", "Bottle", "Apple", "TissueBox",
+    "Newspaper", "Watch", "HousePlant",
+)  # fmt: skip
+HELD_EYES_M, HELD_ODDS, HELD_FIRST = (0.95, 1.5), 3.0, 5
 SUPPORTS = frozenset(
     """CounterTop DiningTable CoffeeTable SideTable Desk Dresser TVStand Shelf ShelvingUnit Bed
     Sofa ArmChair Stool Chair Ottoman Toilet Bathtub Safe""".split()  # noqa: SIM905
@@ -92,6 +101,20 @@ def scattered(
     return scene.with_instances(made)
 
 
+def held(
+    scene: Scene, rng: np.random.Generator, count: int, meshes: MoreMeshes | None = None
+) -> Scene:
+    """Return the room with some things in the air, as before a robot that carries them."""
+    odds = np.where(np.arange(len(HELD)) < HELD_FIRST, HELD_ODDS, 1.0)
+    made = []
+    for cell in rng.permutation(len(scene.cells))[:count].tolist():
+        kind = str(rng.choice(list(HELD), p=odds / odds.sum()))
+        x, z = scene.cells[cell].tolist()
+        at = (x, float(rng.uniform(*HELD_EYES_M)), z)
+        made.append(_made(kind, _size(kind, rng, meshes), at, rng))
+    return replace(scene, instances=(*scene.instances, *made))
+
+
 def _soft(kind: str, like: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """A thing may reach into the box of what stands below it (a chair's back, a bed's rail)."""
     del kind
@@ -116,6 +139,8 @@ def _wish(
         odds[[name in MESHES_ONLY for name in names]] = 0
     kind = str(rng.choice(list(names), p=odds / odds.sum()))
     size_m = _size(kind, rng, meshes)
+    if kind == "Pillow" and rng.random() < SOFT_SHARE:
+        supports = [item for item in supports if item.object_type in SOFT] or supports
     room = scene.room
     if names is LARGE:
         x = float(rng.uniform(room.x_low + 0.2, room.x_high - 0.2))
@@ -142,6 +167,8 @@ def _size(
         base = np.asarray(meshes.any_size(kind, longest, rng) or base)
     if kind == "Laptop" and rng.random() < CLOSED_SHARE:
         base = base * np.array([1.0, 0.1, 1.0])
+    if kind == "Book" and rng.random() < STANDING_SHARE:
+        base = np.array([max(base[0], base[2]) * 0.75, max(base[0], base[2]), base.min()])
     size = np.maximum(base * rng.uniform(0.85, 1.15, 3) * rng.uniform(0.9, 1.1), 0.006)
     return float(size[0]), float(size[1]), float(size[2])
 

@@ -15,7 +15,10 @@ from doro_sim_feeder.rooms.variation import random_view
 
 Rng = np.random.Generator
 CANDIDATE_VIEWS, HORIZON_DEG, FAR_M, SMALL_M = 4, (-8, 52), 3.5, 0.6
-CLOSE_M, CLOSE_EYES_M, CLOSE_TRIES = (0.45, 1.5), (0.9, 1.7), 12
+CLOSE_M, CLOSE_EYES_M, CLOSE_TRIES = (0.35, 1.3), (0.9, 1.7), 12
+OFTEN_CLOSE, OFTEN_ODDS = (
+    frozenset({"AlarmClock", "DeskLamp", "Book", "Laptop", "ArmChair", "Pillow"}), 3.0,
+)  # fmt: skip
 BLOOM_FROM, BLOOM_PX = 0.82, 9
 
 
@@ -27,8 +30,12 @@ class Views:
         self._middles = np.array([np.mean(item.corners, axis=0) for item in scene.instances])
         self._sizes = np.array([np.ptp(item.corners, axis=0).max() for item in scene.instances])
         self._taught = np.array([item.object_type in taught for item in scene.instances])
-        named = np.array([item.object_type in CLASSES for item in scene.instances])
-        self._small = np.flatnonzero(named & (self._sizes < SMALL_M))
+        kinds = [item.object_type for item in scene.instances]
+        named = np.array([kind in CLASSES for kind in kinds])
+        often = np.array([kind in OFTEN_CLOSE for kind in kinds])
+        self._near = np.flatnonzero(named & ((self._sizes < SMALL_M) | often))
+        odds = np.where(often[self._near], OFTEN_ODDS, 1.0)
+        self._odds = odds / max(odds.sum(), 1e-9)
 
     def rich(self, rng: Rng) -> View:
         """Return the one of several random views that has most small things before it."""
@@ -49,12 +56,14 @@ class Views:
         return best[1]
 
     def close(self, rng: Rng) -> View | None:
-        """Return a view of a small thing from where the robot can stand; None without one."""
-        for _ in range(CLOSE_TRIES if len(self._small) else 0):
-            middle = self._middles[int(rng.choice(self._small))]
+        """Return a view of a thing from near, from where the robot can stand; None without one."""
+        for _ in range(CLOSE_TRIES if len(self._near) else 0):
+            number = int(rng.choice(self._near, p=self._odds))
+            middle, size = self._middles[number], float(self._sizes[number])
+            low_m, high_m = max(CLOSE_M[0], size), max(CLOSE_M[1], 2.2 * size)
             away = self._scene.cells - middle[[0, 2]]
             distance = np.hypot(*away.T)
-            near = np.flatnonzero((distance > CLOSE_M[0]) & (distance < CLOSE_M[1]))
+            near = np.flatnonzero((distance > low_m) & (distance < high_m))
             if len(near) == 0:
                 continue
             x, z = self._scene.cells[int(rng.choice(near))].tolist()
