@@ -134,7 +134,9 @@ def _timed(settings: PerceptionSettings) -> dict[str, Any]:
     return figures
 
 
-def _counted(common: Common, backend: str, rooms: int, views: int) -> dict[str, Any]:
+def _counted(
+    common: Common, backend: str, rooms: int, views: int, keep: Path | None
+) -> dict[str, Any]:
     """Return the counting figures of rendered test rooms, and print them."""
     from rich.progress import track
 
@@ -142,8 +144,8 @@ def _counted(common: Common, backend: str, rooms: int, views: int) -> dict[str, 
         FUSED_SCORE,
         SYSTEMS,
         figures_of,
+        kept_or_rendered,
         outcomes,
-        render,
         test_rows,
     )
     from doro_perception.backends import make_backend
@@ -155,7 +157,7 @@ def _counted(common: Common, backend: str, rooms: int, views: int) -> dict[str, 
     assert detector is not None
     found: list[Chained] = []
     for row in track(test_rows(rooms), "rooms", console=talk, transient=True):
-        found += outcomes(render(row, views), detector, settings)
+        found += outcomes(kept_or_rendered(row, views or None, keep), detector, settings)
     figures = figures_of(found)
     table = Table("", *CHAINED, title=f"end to end, {rooms} test rooms")
     for system in SYSTEMS:
@@ -178,7 +180,8 @@ def _counted(common: Common, backend: str, rooms: int, views: int) -> dict[str, 
 @click.option("--seed", default=7, show_default=True, help="Of copies and views.")
 @click.option("--shared", type=FOLDER, default=Path("../shared/data"), show_default=True)
 @click.option("--chain", default=0, help="Count end to end in so many test rooms; slow.")
-@click.option("--views", default=60, show_default=True, help="Of each of these rooms, at most.")
+@click.option("--views", default=0, help="Of each of these rooms, at most; 0: all there are.")
+@click.option("--keep", type=FOLDER, help="Folder where these rooms' frames are kept.")
 @click.option("--recording", type=FILE, help="List all that the map holds after it, with a sheet.")
 @click.option("--speed", is_flag=True, help="Time the captioner on 300 x 300 px, ten boxes.")
 @click.option("--plot", type=FILE, help="Where to draw the reliability plot (PNG).")
@@ -194,6 +197,7 @@ def perception(
     shared: Path,
     chain: int,
     views: int,
+    keep: Path | None,
     recording: Path | None,
     speed: bool,
     plot: Path | None,
@@ -232,7 +236,7 @@ def perception(
     if plot is not None:
         draw_reliability(plot, {one.name: one.detected.certain for one in measured})
     if chain:
-        figures |= _counted(common, backend, chain, views)
+        figures |= _counted(common, backend, chain, views, keep)
     if recording is not None:
         _listed(recording, _settings(common, backend, relations=False))
     if speed:

@@ -8,8 +8,10 @@ beside it.
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import msgspec
 import numpy as np
@@ -109,6 +111,22 @@ def render(row: SetRow, views: int | None, size_px: int = 300) -> ColorRoom:
     truth = tuple(episode.truth())
     room = Room(row.name, row.room, row.name, tuple(depths), tuple(detections), truth)
     return ColorRoom(room, tuple(colors))
+
+
+def kept_or_rendered(row: SetRow, views: int | None, folder: Path | None) -> ColorRoom:
+    """Return :func:`render`'s room, from the folder if it was rendered and kept there before."""
+    if folder is None:
+        return render(row, views)
+    path = folder / f"{row.name}-{views or 'all'}.pkl"
+    if path.exists():
+        kept: ColorRoom = pickle.loads(path.read_bytes())
+        return kept
+    folder.mkdir(parents=True, exist_ok=True)
+    room = render(row, views)
+    part = path.with_suffix(".part")
+    part.write_bytes(pickle.dumps(room))
+    part.rename(path)
+    return room
 
 
 def captions(room: ColorRoom, core: Perception) -> list[FrameCaptions]:
