@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from doro_evaluation.dressing.deceivers import deceivers
-from doro_evaluation.dressing.doors import door
-from doro_evaluation.dressing.looks import colour_name, seen_colour
-from doro_evaluation.dressing.more_meshes import CATALOGUE, MoreMeshes, read_index
+from doro_evaluation.dressing.fittings.deceivers import deceivers
+from doro_evaluation.dressing.fittings.doors import door
+from doro_evaluation.dressing.looks.colours import colour_name, seen_colour
+from doro_evaluation.dressing.looks.surfaces import floor, planks, stone, tiles, wall, wood
+from doro_evaluation.dressing.meshes.libraries import CATALOGUE, MoreMeshes, read_index
 from doro_evaluation.dressing.natural import ONLY_NATURAL, natural
-from doro_evaluation.dressing.shapes import MAKERS, make_shape
-from doro_evaluation.dressing.surfaces import floor, planks, stone, tiles, wall, wood
+from doro_evaluation.dressing.shapes.makers import MAKERS, make_shape
 from doro_perception.classes import CLASSES, COLOURS, MATERIALS, UNNAMED
 from doro_schemas.errors import Refused
 from doro_sim_feeder.rooms.appearance import PALETTE

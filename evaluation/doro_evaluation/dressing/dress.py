@@ -11,12 +11,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from doro_evaluation.dressing import surfaces
-from doro_evaluation.dressing.deceivers import deceivers
-from doro_evaluation.dressing.looks import usual_rgb
-from doro_evaluation.dressing.more_meshes import MoreMeshes
-from doro_evaluation.dressing.natural import ONLY_NATURAL, natural
-from doro_evaluation.dressing.prints import (
+from doro_evaluation.dressing.fittings.deceivers import deceivers
+from doro_evaluation.dressing.looks import surfaces
+from doro_evaluation.dressing.looks.colours import usual_rgb
+from doro_evaluation.dressing.looks.prints import (
     Texture,
     cloth,
     covering,
@@ -26,7 +24,9 @@ from doro_evaluation.dressing.prints import (
     screen,
     stretched,
 )
-from doro_evaluation.dressing.shapes import make_shape
+from doro_evaluation.dressing.meshes.libraries import MoreMeshes
+from doro_evaluation.dressing.natural import ONLY_NATURAL, natural
+from doro_evaluation.dressing.shapes.makers import make_shape
 from doro_sim_feeder.rooms.appearance import (
     COPY_MATERIALS,
     NATURAL_COLOR,

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from doro_evaluation.dressing.dress import dressed
-from doro_evaluation.dressing.more_meshes import MoreMeshes
+from doro_evaluation.dressing.meshes.libraries import MoreMeshes
 from doro_evaluation.dressing.scatter import held, scattered
 from doro_evaluation.dressing.views import Views, bloomed, room_light
 from doro_perception.classes import CLASSES, COLOURS, MATERIALS, UNNAMED
@@ -263,7 +263,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, nargs="+", default=[1])
     parser.add_argument("--frames", type=int, default=40, help="per room and seed")
     parser.add_argument(
-        "--meshes", type=Path, help="a folder with more models; see dressing/more_meshes.py"
+        "--meshes", type=Path, help="a folder with more models; see dressing/meshes/libraries.py"
     )
     parser.add_argument("--plain", action="store_true", help="as the evaluation renders")
     parser.add_argument("--most-s", type=float, default=0, help="of CPU time for a room; 0: any")

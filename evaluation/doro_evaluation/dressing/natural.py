@@ -9,12 +9,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from doro_evaluation.dressing.looks import seen_colour, shifted, usual_rgb
-from doro_evaluation.dressing.more_meshes import MoreMeshes
-from doro_evaluation.dressing.oddments import ODDMENTS
-from doro_evaluation.dressing.prints import mapped
-from doro_evaluation.dressing.shapes import make_shape
-from doro_evaluation.dressing.surfaces import wood, wood_tone
+from doro_evaluation.dressing.looks.colours import seen_colour, shifted, usual_rgb
+from doro_evaluation.dressing.looks.prints import mapped
+from doro_evaluation.dressing.looks.surfaces import wood, wood_tone
+from doro_evaluation.dressing.meshes.libraries import MoreMeshes
+from doro_evaluation.dressing.shapes.makers import make_shape
+from doro_evaluation.dressing.shapes.oddments import ODDMENTS
 from doro_sim_feeder.rooms.appearance import (
     COPY_MATERIALS,
     NATURAL_COLOR,

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from doro_evaluation.dressing.dress import look_of
-from doro_evaluation.dressing.more_meshes import MoreMeshes
+from doro_evaluation.dressing.meshes.libraries import MoreMeshes
 from doro_sim_feeder.rooms.instances import Instance
 from doro_sim_feeder.rooms.layout import sizes_of_type
 from doro_sim_feeder.rooms.parts import place

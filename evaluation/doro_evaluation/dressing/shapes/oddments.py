@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from doro_evaluation.dressing.papers import cover
-from doro_evaluation.dressing.prints import cloth, stretched
-from doro_evaluation.dressing.solids import (
+from doro_evaluation.dressing.looks.prints import cloth, stretched
+from doro_evaluation.dressing.shapes.papers import cover
+from doro_evaluation.dressing.shapes.solids import (
     Maker,
     Rng,
     about_x,

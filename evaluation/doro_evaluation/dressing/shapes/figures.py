@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from doro_evaluation.dressing.solids import (
+from doro_evaluation.dressing.shapes.solids import (
     Maker,
     Rng,
     about_x,

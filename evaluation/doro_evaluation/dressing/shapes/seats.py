@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from doro_evaluation.dressing.solids import (
+from doro_evaluation.dressing.shapes.solids import (
     Maker,
     Rng,
     about_x,
@@ -196,7 +196,7 @@ def _garbage_can(rng: Rng, color: Rgb) -> list[Part]:
     return parts
 
 
-FURNITURE: dict[str, Maker] = {
+SEATS: dict[str, Maker] = {
     "Chair": _chair,
     "Stool": _stool,
     "Sofa": _sofa,

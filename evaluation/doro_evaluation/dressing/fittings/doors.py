@@ -12,9 +12,16 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from doro_evaluation.dressing.prints import SIDE_PX, Texture, landscape, mapped, picture, stretched
-from doro_evaluation.dressing.solids import dark
-from doro_evaluation.dressing.surfaces import near, wood, wood_tone
+from doro_evaluation.dressing.looks.prints import (
+    SIDE_PX,
+    Texture,
+    landscape,
+    mapped,
+    picture,
+    stretched,
+)
+from doro_evaluation.dressing.looks.surfaces import near, wood, wood_tone
+from doro_evaluation.dressing.shapes.solids import dark
 from doro_sim_feeder.rooms.footprints import Rect
 from doro_sim_feeder.rooms.parts import Part, Rgb, box_part
 

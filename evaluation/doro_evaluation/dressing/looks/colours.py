@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from doro_evaluation.dressing.surfaces import WOODS, near
+from doro_evaluation.dressing.looks.surfaces import WOODS, near
 from doro_sim_feeder.rooms.parts import Part, Rgb
 
 Rng = np.random.Generator

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from doro_evaluation.dressing.prints import Texture, cloth, stretched
-from doro_evaluation.dressing.solids import (
+from doro_evaluation.dressing.looks.prints import Texture, cloth, stretched
+from doro_evaluation.dressing.shapes.solids import (
     Maker,
     Rng,
     about_x,

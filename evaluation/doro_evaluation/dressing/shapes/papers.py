@@ -7,8 +7,8 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
-from doro_evaluation.dressing.prints import Texture, picture, stretched
-from doro_evaluation.dressing.solids import (
+from doro_evaluation.dressing.looks.prints import Texture, picture, stretched
+from doro_evaluation.dressing.shapes.solids import (
     Maker,
     Rng,
     about_x,

@@ -5,8 +5,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from doro_evaluation.dressing.prints import Texture, screen, stretched
-from doro_evaluation.dressing.solids import (
+from doro_evaluation.dressing.looks.prints import Texture, screen, stretched
+from doro_evaluation.dressing.shapes.solids import (
     Maker,
     Rng,
     about_x,

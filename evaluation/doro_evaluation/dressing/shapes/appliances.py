@@ -4,9 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from doro_evaluation.dressing.cabinets import HANDLES, moved_to
-from doro_evaluation.dressing.prints import screen, stretched
-from doro_evaluation.dressing.solids import Maker, Rng, accent, between, dark, hollow, lathe, tube
+from doro_evaluation.dressing.looks.prints import screen, stretched
+from doro_evaluation.dressing.shapes.cabinets import HANDLES, moved_to
+from doro_evaluation.dressing.shapes.solids import (
+    Maker,
+    Rng,
+    accent,
+    between,
+    dark,
+    hollow,
+    lathe,
+    tube,
+)
 from doro_sim_feeder.rooms.parts import Part, Rgb, blob_part, box_part
 
 GLASS: Rgb = (0.07, 0.07, 0.08)

@@ -3,7 +3,7 @@
 They are not committed. On Debian: ``apt-get download sweethome3d-furniture`` and
 ``dpkg-deb -x sweethome3d-furniture_*.deb MESHES``; then ``--meshes MESHES``. The libraries are zip
 files named ``*.sh3f``: BlendSwap-CC-0 (CC0), BlendSwap-CC-BY, Scopia (CC-BY 3.0), KatorLegaz and
-Reallusion (CC-BY 3.0 US). ``more_meshes.tsv`` tells which of the models belongs to which class,
+Reallusion (CC-BY 3.0 US). ``index.tsv`` tells which of the models belongs to which class,
 what it is made of where one sees it, and who made it; they are scaled, shaded and recoloured.
 """
 
@@ -21,7 +21,7 @@ from doro_sim_feeder.rooms.meshes import Mesh, decode_texture, normalised
 from doro_sim_feeder.rooms.obj_files import parse_obj
 from doro_sim_feeder.rooms.parts import Part
 
-INDEX = Path(__file__).with_name("more_meshes.tsv")
+INDEX = Path(__file__).with_name("index.tsv")
 CATALOGUE = "PluginFurnitureCatalog.properties"
 MOST_BYTES, MOST_STRETCH = 1_600_000, 1.5
 Rng = np.random.Generator
@@ -51,7 +51,9 @@ class MoreMeshes:
     def __init__(self, folder: Path) -> None:
         paths = {path.stem: path for path in sorted(folder.rglob("*.sh3f"))}
         if not paths:
-            raise Refused(f"{folder} holds no .sh3f file; see doro_evaluation.dressing.more_meshes")
+            raise Refused(
+                f"{folder} holds no .sh3f file; see doro_evaluation.dressing.meshes.libraries"
+            )
         self._zips = {name: zipfile.ZipFile(path) for name, path in paths.items()}
         self._entries = {name: _catalogue(archive) for name, archive in self._zips.items()}
         self._rows: dict[str, list[Row]] = {}

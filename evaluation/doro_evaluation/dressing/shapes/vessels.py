@@ -1,9 +1,4 @@
-"""Household things made of lathes, tubes and boxes: more shapes than the mesh library has.
-
-For the training of the captioner only: the rooms of the evaluation have the library's shapes.
-Every maker draws its proportions from the generator it is given; :func:`make_shape` fits the
-result into the size that the thing has in the room.
-"""
+"""Cups, bottles, vases and pots; fruit, bread, rolls."""
 
 from __future__ import annotations
 
@@ -11,15 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from doro_evaluation.dressing.appliances import APPLIANCES
-from doro_evaluation.dressing.cabinets import CABINETS
-from doro_evaluation.dressing.figures import FIGURES
-from doro_evaluation.dressing.furniture import FURNITURE
-from doro_evaluation.dressing.gadgets import GADGETS
-from doro_evaluation.dressing.oddments import ODDMENTS
-from doro_evaluation.dressing.papers import PAPERS, cover
-from doro_evaluation.dressing.soft import SOFT
-from doro_evaluation.dressing.solids import (
+from doro_evaluation.dressing.shapes.papers import cover
+from doro_evaluation.dressing.shapes.solids import (
     AROUND,
     Maker,
     Rng,
@@ -27,37 +15,12 @@ from doro_evaluation.dressing.solids import (
     accent,
     between,
     dark,
-    fitted,
     hollow,
     lathe,
     tube,
     turned,
 )
-from doro_sim_feeder.rooms.parts import Part, Rgb, blob_part, bounds, box_part, place
-
-TRIES, LITTLE_STRETCH, SMALL_M = 4, 1.7, 0.5
-
-
-def make_shape(
-    object_type: str, size_m: tuple[float, float, float], color: Rgb, rng: Rng
-) -> tuple[Part, ...] | None:
-    """Return a thing standing on the origin, front to +z; None where the class has no maker."""
-    maker = MAKERS.get(object_type)
-    if maker is None:
-        return None
-    tries: list[tuple[float, list[Part]]] = []
-    for _ in range(TRIES):
-        parts = maker(rng, color)
-        low, high = bounds(tuple(parts))
-        across = (high[0] - low[0] > high[2] - low[2]) != (size_m[0] > size_m[2])
-        if across and max(size_m) < SMALL_M:
-            parts = list(place(tuple(parts), 90.0, (0, 0, 0)))
-            low, high = bounds(tuple(parts))
-        ratio = np.asarray(size_m) / np.maximum(high - low, 1e-6)
-        tries.append((float(ratio.max() / ratio.min()), parts))
-        if tries[-1][0] < LITTLE_STRETCH:
-            break
-    return fitted(min(tries, key=lambda one: one[0])[1], size_m)
+from doro_sim_feeder.rooms.parts import Part, Rgb, blob_part, box_part
 
 
 def _cup(rng: Rng, color: Rgb) -> list[Part]:
@@ -264,15 +227,7 @@ def _roll(rng: Rng, color: Rgb) -> list[Part]:
     return [lathe([(core, 0), (1, 0), (1, 2), (core, 2), (core, 0)], color)]
 
 
-MAKERS: dict[str, Maker] = {
-    **FURNITURE,
-    **FIGURES,
-    **GADGETS,
-    **PAPERS,
-    **CABINETS,
-    **APPLIANCES,
-    **SOFT,
-    **ODDMENTS,
+VESSELS: dict[str, Maker] = {
     "Cup": _cup,
     "Mug": _mug,
     "Bowl": _bowl,

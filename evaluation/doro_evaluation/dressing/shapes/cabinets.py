@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from doro_evaluation.dressing.solids import Maker, Rng, accent, between, dark, lathe, tube
+from doro_evaluation.dressing.shapes.solids import Maker, Rng, accent, between, dark, lathe, tube
 from doro_sim_feeder.rooms.parts import Part, Rgb, blob_part, box_part
 
 Vectors = NDArray[Any]

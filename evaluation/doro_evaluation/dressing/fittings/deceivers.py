@@ -9,12 +9,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from doro_evaluation.dressing.doors import door
-from doro_evaluation.dressing.looks import shifted, usual_rgb
-from doro_evaluation.dressing.more_meshes import MoreMeshes
-from doro_evaluation.dressing.prints import cloth, covering, landscape, mapped, picture, stretched
-from doro_evaluation.dressing.solids import lathe
-from doro_evaluation.dressing.surfaces import near, wood_tone
+from doro_evaluation.dressing.fittings.doors import door
+from doro_evaluation.dressing.looks.colours import shifted, usual_rgb
+from doro_evaluation.dressing.looks.prints import (
+    cloth,
+    covering,
+    landscape,
+    mapped,
+    picture,
+    stretched,
+)
+from doro_evaluation.dressing.looks.surfaces import near, wood_tone
+from doro_evaluation.dressing.meshes.libraries import MoreMeshes
+from doro_evaluation.dressing.shapes.solids import lathe
 from doro_sim_feeder.rooms.appearance import PALETTE
 from doro_sim_feeder.rooms.fittings import CEILING_M
 from doro_sim_feeder.rooms.footprints import Rect

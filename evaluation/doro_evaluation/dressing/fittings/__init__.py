@@ -1,0 +1,1 @@
+"""What belongs to a room itself: doors, windows, curtains, lamps, pictures, sockets."""

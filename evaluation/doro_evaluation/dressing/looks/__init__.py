@@ -1,0 +1,1 @@
+"""Textures, and the colours that things come in and are called by."""

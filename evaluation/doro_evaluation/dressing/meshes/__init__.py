@@ -1,0 +1,1 @@
+"""More meshes for the training frames alone."""
