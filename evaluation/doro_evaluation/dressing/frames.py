@@ -167,6 +167,13 @@ def _hidden(
     return bool(size.prod() < LEAST_SHOWN * shown or shown < LEAST_INSIDE * whole)
 
 
+def _furnished(scene: Scene, rng: np.random.Generator, meshes: MoreMeshes | None) -> Scene:
+    """Return a room dressed anew, with more things in it, some before the camera."""
+    things = int(rng.integers(10, 34)), int(rng.integers(2, 9))
+    scene = held(scattered(scene, rng, *things, meshes), rng, int(rng.integers(0, 4)), meshes)
+    return dressed(scene, rng, meshes)
+
+
 @functools.lru_cache(maxsize=128)
 def _scene(room: str) -> Scene:
     """Return a room as built, which takes two seconds, for all seeds."""
@@ -185,13 +192,7 @@ def frames_of(
     """
     number = int(room.removeprefix("FloorPlan"))
     rng = np.random.default_rng([seed, number, int(dress)])
-    scene = _scene(room)
-    if dress:
-        things = int(rng.integers(10, 34)), int(rng.integers(2, 9))
-        scene = held(scattered(scene, rng, *things, meshes), rng, int(rng.integers(0, 4)), meshes)
-        scene = dressed(scene, rng, meshes)
-    else:
-        scene = with_copies(scene, rng, 6)
+    scene = _furnished(_scene(room), rng, meshes) if dress else with_copies(_scene(room), rng, 6)
     pairs = [(k, item.parts) for k, item in enumerate(scene.instances, start=1)]
     camera = Camera(SIZE_PX if dress else 300)
     light = room_light(scene.room, rng) if dress else ceiling_lighting(scene.room)

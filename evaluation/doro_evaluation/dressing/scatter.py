@@ -54,6 +54,10 @@ HIGHEST_M, FROM_ABOVE_M = 1.75, 0.35
 GRID = np.array([(a, b) for a in REACH for b in REACH])
 
 
+# Class, size, whether on the floor, nine points (x, z), the height above them.
+Wish = tuple[str, tuple[float, float, float], bool, NDArray[np.float64], float]
+
+
 def scattered(
     scene: Scene,
     rng: np.random.Generator,
@@ -62,24 +66,18 @@ def scattered(
     meshes: MoreMeshes | None = None,
 ) -> Scene:
     """Return the room with up to so many more things on furniture and on the floor."""
-    caster = scene.caster()
     supports = [
         item
         for item in scene.instances
         if item.object_type in SUPPORTS and item.corners[1][1] < HIGHEST_M
     ]
     wishes = [_wish(scene, supports, rng, meshes, on_floor=k % 5 == 0) for k in range(CANDIDATES)]
-    origins = np.concatenate(
-        [np.column_stack([at[:, 0], np.full(9, top), at[:, 1]]) for *_, at, top in wishes]
-    )
-    hits = caster.cast(origins, np.broadcast_to([0.0, -1.0, 0.0], origins.shape))
-    falls = hits.distance.reshape(-1, 9)
     lows = np.array([item.corners[0] for item in scene.instances])
     highs = np.array([item.corners[1] for item in scene.instances])
     solid = np.array([item.object_type not in ("Floor", "Ceiling") for item in scene.instances])
     made: list[Instance] = []
     left = {True: large, False: small}
-    for (kind, size, on_floor, at, top), fall in zip(wishes, falls, strict=True):
+    for (kind, size, on_floor, at, top), fall in zip(wishes, _falls(scene, wishes), strict=True):
         level = SOFT_LEVEL_M if kind == "Pillow" else LEVEL_M
         surface = top - float(np.median(fall))
         if left[on_floor] <= 0 or not np.isfinite(fall).all() or np.ptp(fall) > level:
@@ -92,7 +90,8 @@ def scattered(
         inside = scene.room.x_low < low[0] and high[0] < scene.room.x_high
         inside = inside and scene.room.z_low < low[2] and high[2] < scene.room.z_high
         below = lows[:, 1] < surface - 0.02 if not on_floor else np.zeros(len(lows), np.bool_)
-        if not inside or (hits_box.all(axis=1) & solid & ~(below & _soft(kind, solid))).any():
+        # It may reach into the box of what stands below it: a chair's back, a bed's rail.
+        if not inside or (hits_box.all(axis=1) & solid & ~below).any():
             continue
         made.append(item)
         lows, highs = np.vstack([lows, low]), np.vstack([highs, high])
@@ -115,10 +114,14 @@ def held(
     return replace(scene, instances=(*scene.instances, *made))
 
 
-def _soft(kind: str, like: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """A thing may reach into the box of what stands below it (a chair's back, a bed's rail)."""
-    del kind
-    return np.ones(len(like), np.bool_)
+def _falls(scene: Scene, wishes: list[Wish]) -> NDArray[np.float64]:
+    """Return how far it is from above to a surface at each wish's points, metres, (wishes, 9)."""
+    origins = np.concatenate(
+        [np.column_stack([at[:, 0], np.full(9, top), at[:, 1]]) for *_, at, top in wishes]
+    )
+    hits = scene.caster().cast(origins, np.broadcast_to([0.0, -1.0, 0.0], origins.shape))
+    falls = hits.distance.reshape(-1, 9).astype(np.float64)
+    return falls
 
 
 def _wish(
@@ -128,7 +131,7 @@ def _wish(
     meshes: MoreMeshes | None,
     *,
     on_floor: bool,
-) -> tuple[str, tuple[float, float, float], bool, NDArray[np.float64], float]:
+) -> Wish:
     """Return class, size, whether on the floor, nine points (x, z) and the height above them."""
     names = LARGE if on_floor or not supports else SMALL
     odds = np.ones(len(names))

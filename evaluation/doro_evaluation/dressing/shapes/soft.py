@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -248,6 +249,17 @@ def _leaf(rng: Rng, root: Vectors, way: Vectors, size: tuple[float, float], tone
     return Part(points.astype(np.float32), table, normals, None, tone)
 
 
+def _cactus(rng: Rng, deep: float, tone: Callable[[], Rgb]) -> list[Part]:
+    """Return one to three stems that stand in a pot of a depth."""
+    stems = []
+    for _ in range(int(rng.integers(1, 4))):
+        tall, wide = between(rng, 0.8, 2.5), between(rng, 0.25, 0.5)
+        rows = [(wide * 0.8, 0), (wide, tall * 0.5), (wide * 0.7, tall * 0.9), (0, tall)]
+        at = (between(rng, -0.4, 0.4), deep * 0.9, between(rng, -0.4, 0.4))
+        stems.append(lathe(rows, tone(), 10).moved(at))
+    return stems
+
+
 def _plant(rng: Rng, color: Rgb) -> list[Part]:
     """Return a plant in a pot: broad leaves, blades, a small tree, a cactus."""
     del color
@@ -266,12 +278,7 @@ def _plant(rng: Rng, color: Rgb) -> list[Part]:
         return red, high, blue
 
     if kind < 0.12:
-        for _ in range(int(rng.integers(1, 4))):
-            tall, wide = between(rng, 0.8, 2.5), between(rng, 0.25, 0.5)
-            rows = [(wide * 0.8, 0), (wide, tall * 0.5), (wide * 0.7, tall * 0.9), (0, tall)]
-            at = (between(rng, -0.4, 0.4), deep * 0.9, between(rng, -0.4, 0.4))
-            parts.append(lathe(rows, tone(), 10).moved(at))
-        return parts
+        return parts + _cactus(rng, deep, tone)
     trunk = between(rng, 0.8, 3.0) if kind < 0.4 else 0.0
     if trunk:
         bend = rng.uniform(-0.3, 0.3, 2)
