@@ -1,0 +1,87 @@
+"""The choice of the map's thresholds for a detector that errs (no rendering)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+
+from doro_evaluation.chain import Room
+from doro_evaluation.counting.metrics import tally
+from doro_evaluation.outcomes import Outcome, Thing
+from doro_evaluation.perception import chain, tune
+from doro_evaluation.perception.tuning_rooms import kind_of, rows
+from doro_schemas.messages import CaptionedBox, ClassProbability, FrameCaptions
+from doro_sim_feeder.rooms.evaluation_set import plan_set
+
+
+def test_no_tuning_room_is_a_test_room_and_every_recording_has_its_own_name() -> None:
+    tested = {row.room for row in plan_set() if row.part in {"default", "copies"}}
+    made = rows()
+    assert not tested & {row.room for row in made}
+    assert len({row.name for row in made}) == len(made)
+    # A part of the list holds every room once before it holds one twice.
+    rooms = [row.room for row in made]
+    assert len(set(rooms[: len(set(rooms))])) == len(set(rooms))
+    assert {kind_of(room) for room in rooms} == {"kitchen", "living room", "bedroom"}
+
+
+def test_a_room_is_rendered_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    row, asked = rows()[0], []
+
+    def render(row: object, views: int | None) -> chain.ColorRoom:
+        asked.append(views)
+        return chain.ColorRoom(Room("a", "FloorPlan14", "a", (), (), ()), ())
+
+    monkeypatch.setattr(chain, "render", render)
+    first = chain.kept_or_rendered(row, None, tmp_path)
+    assert chain.kept_or_rendered(row, None, tmp_path) == first
+    assert asked == [None]
+    chain.kept_or_rendered(row, 60, tmp_path)  # fewer views are another room
+    chain.kept_or_rendered(row, None, None)
+    assert asked == [None, 60, None]
+
+
+def outcome(room: str, true: int, found: int) -> Outcome:
+    def things(count: int) -> tuple[Thing, ...]:
+        return tuple(Thing("Cup", (float(k), 0.0, 0.0), (0.1,) * 3, 5) for k in range(count))
+
+    return Outcome(room, room, "tune", "fused", "captioner", 9, things(true), things(found))
+
+
+def test_each_kind_of_room_weighs_the_same_and_the_best_comes_first(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    good: tune.Key = ("fused", 0.5, 2.0, 0.25)
+    bad: tune.Key = ("fused", 0.7, 2.0, 0.25)
+    other: tune.Key = ("single frames", 0.5, 2.0, 0.25)
+
+    def room(name: str, right: bool) -> tuple[str, dict[tune.Key, tune.Floats]]:
+        one, two = tally(outcome(name, 2, 2)), tally(outcome(name, 2, 1))
+        return name, {good: one if right else two, bad: two, other: two}
+
+    rooms = [room("FloorPlan14", True), room("FloorPlan4", False), room("FloorPlan211", True)]
+    f1 = tune.by_kind(rooms, good)
+    assert f1["living room"] == 1.0
+    assert 0.0 < f1["kitchen"] < 1.0
+    tune.print_best(rooms)
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[1].startswith("fused          0.50 2.0 0.25")
+    mean = np.mean(list(f1.values()))
+    assert f"| {mean:.3f} all" in lines[1]
+    assert sum(line.startswith("single frames") for line in lines) == 2
+
+
+def test_boxes_below_the_score_are_left_out() -> None:
+    boxes = [
+        CaptionedBox([0.0, 0.0, 9.0, 9.0], score, "a cup", None, [ClassProbability("cup", 1.0)])
+        for score in (0.4, 0.6)
+    ]
+    said = FrameCaptions(
+        stamp_ns=0, episode="e", camera="c", frame=0, width_px=10, height_px=10, detections=boxes
+    )
+    (left,) = tune.above([said], 0.5)
+    assert [box.score for box in left.detections] == [0.6]
+    assert msgspec.structs.replace(left, detections=boxes, shares=said.shares) == said
