@@ -12,7 +12,13 @@ from doro_evaluation.dressing.fittings.deceivers import deceivers
 from doro_evaluation.dressing.fittings.doors import door
 from doro_evaluation.dressing.looks.colours import colour_name, seen_colour
 from doro_evaluation.dressing.looks.surfaces import floor, planks, stone, tiles, wall, wood
-from doro_evaluation.dressing.meshes.libraries import CATALOGUE, MoreMeshes, read_index
+from doro_evaluation.dressing.meshes.libraries import (
+    CATALOGUE,
+    GLASS,
+    MoreMeshes,
+    Row,
+    read_index,
+)
 from doro_evaluation.dressing.natural import ONLY_NATURAL, natural
 from doro_evaluation.dressing.shapes.makers import MAKERS, make_shape
 from doro_perception.classes import CLASSES, COLOURS, MATERIALS, UNNAMED
@@ -164,17 +170,21 @@ def test_curtains_and_pictures_are_labelled_and_doors_are_not() -> None:
     assert {kind for name, kind in kinds if name == "door"} == {"Structure"}
 
 
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    """A library with one model, a red block of 20 x 10 x 10 cm, listed as a plastic cup."""
-    row = next(row for row in read_index() if row.kind == "Cup" and row.material == "plastic")
+def library(folder: Path, row: Row, materials: str) -> None:
+    """Write a library with one model, a block of 20 x 10 x 10 cm."""
     entries = ENTRIES | {"model": f"/{row.model}"}
     lines = [f"{key}#1={value}" for key, value in entries.items()]
-    with zipfile.ZipFile(tmp_path / f"{row.library}.sh3f", "w") as archive:
+    with zipfile.ZipFile(folder / f"{row.library}.sh3f", "w") as archive:
         archive.writestr(CATALOGUE, "\n".join(lines))
         archive.writestr(row.model, CUBE)
-        name = str(Path(row.model).with_name("cube.mtl"))
-        archive.writestr(name, "newmtl paint\nKd 0.8 0.1 0.1\n")
+        archive.writestr(str(Path(row.model).with_name("cube.mtl")), materials)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A library with a red block that is listed as a plastic cup."""
+    row = next(row for row in read_index() if row.kind == "Cup" and row.material == "plastic")
+    library(tmp_path, row, "newmtl paint\nKd 0.8 0.1 0.1\n")
     return tmp_path
 
 
@@ -204,6 +214,23 @@ def test_a_thing_of_a_mesh_is_called_by_its_look(folder: Path) -> None:
         for made in (natural(item, np.random.default_rng(seed), meshes) for seed in range(12))
     }
     assert ("red", "plastic") in looks
+
+
+def test_glass_of_windows_is_marked_and_shows_a_view(tmp_path: Path) -> None:
+    row = next(row for row in read_index() if row.kind == "Window")
+    clear = "newmtl paint\nKd 0.8 0.8 0.8\nd 0.5\n"
+    library(tmp_path, row, clear)
+    meshes = MoreMeshes(tmp_path)
+    (pane,) = meshes.parts(meshes.of("Window")[0], (1.0, 1.0, 0.1))
+    assert pane.color == GLASS
+    windows = [
+        item
+        for seed in range(8)
+        for item in deceivers(ROOM, np.random.default_rng(seed), meshes)
+        if item.object_type == "Window"
+    ]
+    assert windows
+    assert all(part.texture is not None for item in windows for part in item.parts)
 
 
 def test_a_folder_without_libraries_is_refused(tmp_path: Path) -> None:

@@ -120,8 +120,7 @@ def _falls(scene: Scene, wishes: list[Wish]) -> NDArray[np.float64]:
         [np.column_stack([at[:, 0], np.full(9, top), at[:, 1]]) for *_, at, top in wishes]
     )
     hits = scene.caster().cast(origins, np.broadcast_to([0.0, -1.0, 0.0], origins.shape))
-    falls = hits.distance.reshape(-1, 9).astype(np.float64)
-    return falls
+    return hits.distance.reshape(-1, 9).astype(np.float64)
 
 
 def _wish(

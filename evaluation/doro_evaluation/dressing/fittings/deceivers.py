@@ -9,9 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from doro_evaluation.dressing.fittings.doors import door
+from doro_evaluation.dressing.fittings.doors import behind, door
 from doro_evaluation.dressing.looks.colours import shifted, usual_rgb
 from doro_evaluation.dressing.looks.prints import (
+    Texture,
     cloth,
     covering,
     landscape,
@@ -20,7 +21,7 @@ from doro_evaluation.dressing.looks.prints import (
     stretched,
 )
 from doro_evaluation.dressing.looks.surfaces import near, wood_tone
-from doro_evaluation.dressing.meshes.libraries import MoreMeshes
+from doro_evaluation.dressing.meshes.libraries import GLASS, MoreMeshes
 from doro_evaluation.dressing.shapes.solids import lathe
 from doro_sim_feeder.rooms.appearance import PALETTE
 from doro_sim_feeder.rooms.fittings import CEILING_M
@@ -29,7 +30,7 @@ from doro_sim_feeder.rooms.instances import Instance
 from doro_sim_feeder.rooms.parts import Part, Rgb, box_part, place, vertex_normals
 
 Rng = np.random.Generator
-PROUD_M, FRAME_M = 0.1, 0.002
+PROUD_M, FRAME_M, TALLEST_WINDOW_M = 0.1, 0.002, 1.8
 
 
 def deceivers(room: Rect, rng: Rng, meshes: MoreMeshes | None = None) -> list[Instance]:
@@ -123,7 +124,7 @@ def _mesh_door(room: Rect, rng: Rng, meshes: MoreMeshes) -> tuple[Part, ...] | N
     row = rows[int(rng.integers(len(rows)))]
     wide, high, _ = meshes.size_m(row)
     size = (wide * float(rng.uniform(0.85, 1.05)), high * float(rng.uniform(0.92, 1.05)), PROUD_M)
-    parts = meshes.parts(row, size)
+    parts = _glazed(meshes.parts(row, size), behind(rng))
     if rng.random() < 0.6:
         tone = wood_tone(rng) if rng.random() < 0.7 else near(PALETTE[_any(rng)], rng)
         parts = _painted(parts, tone)
@@ -132,6 +133,11 @@ def _mesh_door(room: Rect, rng: Rng, meshes: MoreMeshes) -> tuple[Part, ...] | N
         parts = place(parts, 90.0, (0, 0, size[0] / 2))
         size = (PROUD_M, size[1], 0.0)
     return _at_wall(room, parts, size, 0.0, rng)
+
+
+def _glazed(parts: tuple[Part, ...], view: Texture) -> tuple[Part, ...]:
+    """Return the parts of a window or a door with a view where glass is."""
+    return tuple(stretched(part, view) if part.color == GLASS else part for part in parts)
 
 
 def _painted(parts: tuple[Part, ...], tone: Rgb) -> tuple[Part, ...]:
@@ -147,19 +153,19 @@ def _painted(parts: tuple[Part, ...], tone: Rgb) -> tuple[Part, ...]:
 def _mesh_fittings(room: Rect, rng: Rng, meshes: MoreMeshes) -> list[Instance]:
     """Return modelled windows with a view, and radiators and other fittings without a label."""
     found = []
-    for number in range(int(rng.integers(0, 3))):
-        rows = meshes.of("Window")
+    rows = meshes.of("Window")
+    for number in range(int(rng.integers(0, 3)) if rows else 0):
         row = rows[int(rng.integers(len(rows)))]
         wide, high, _ = meshes.size_m(row)
         size = (wide, min(high, 2.2), PROUD_M)
-        low, top = (-wide * 0.46, size[1] * 0.04, -0.03), (wide * 0.46, size[1] * 0.96, -0.025)
-        view = box_part(low, top, (1, 1, 1))
-        parts = (*meshes.parts(row, size), stretched(view, landscape(rng)))
-        low_m = 0.02 if high > 1.8 else float(rng.uniform(0.7, 1.1))
+        parts = _glazed(meshes.parts(row, size), landscape(rng))
+        low_m = 0.02 if high > TALLEST_WINDOW_M else float(rng.uniform(0.7, 1.1))
         placed = _at_wall(room, parts, size, low_m, rng)
-        found.append(Instance(f"Deceiver|window{number}", "Window", placed))
-    for number in range(int(rng.integers(0, 2))):
-        rows = meshes.of("WallThing")
+        # What reaches down to the floor is a door.
+        kind = "Window" if high <= TALLEST_WINDOW_M else "Structure"
+        found.append(Instance(f"Deceiver|window{number}", kind, placed))
+    rows = meshes.of("WallThing")
+    for number in range(int(rng.integers(0, 2)) if rows else 0):
         row = rows[int(rng.integers(len(rows)))]
         size = meshes.size_m(row)
         low_m = 0.1 if size[1] > 0.4 else float(rng.uniform(0.3, 2.1))

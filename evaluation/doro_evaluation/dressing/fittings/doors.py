@@ -128,7 +128,7 @@ def _panes(
     rim = float(rng.uniform(0.1, 0.2)) * size[0]
     low = np.array([rim, float(rng.choice([rim, 0.4 * size[1]]))])
     high = size - rim
-    glass = stretched(wall.slab(low, high, deep + 0.014, (1, 1, 1)), _behind(rng))
+    glass = stretched(wall.slab(low, high, deep + 0.014, (1, 1, 1)), behind(rng))
     bars = []
     thick = float(rng.uniform(0.008, 0.02))
     for axis, count in ((0, columns), (1, rows)):
@@ -140,7 +140,7 @@ def _panes(
     return bars, [glass]
 
 
-def _behind(rng: Rng) -> Texture:
+def behind(rng: Rng) -> Texture:
     """Return what one sees through a door of glass: a dim room, a garden, frosted glass."""
     kind = rng.random()
     if kind < 0.25:

@@ -19,11 +19,14 @@ import numpy as np
 from doro_schemas.errors import Refused
 from doro_sim_feeder.rooms.meshes import Mesh, decode_texture, normalised
 from doro_sim_feeder.rooms.obj_files import parse_obj
-from doro_sim_feeder.rooms.parts import Part
+from doro_sim_feeder.rooms.parts import Part, Rgb
 
 INDEX = Path(__file__).with_name("index.tsv")
 CATALOGUE = "PluginFurnitureCatalog.properties"
 MOST_BYTES, MOST_STRETCH = 1_600_000, 1.5
+GLAZED, CLEAR = frozenset({"Window", "Door"}), 0.95
+GLASS: Rgb = (0.123, 0.456, 0.789)
+"""The colour that marks glass in windows and doors; no model has it."""
 Rng = np.random.Generator
 Size = tuple[float, float, float]
 
@@ -107,12 +110,25 @@ class MoreMeshes:
 
         parts = parse_obj(
             archive.read(row.model).decode("latin-1"),
-            lambda file: (content(file) or b"").decode("latin-1"),
+            lambda file: _marked((content(file) or b"").decode("latin-1"), row.kind),
             lambda file: decode_texture(content(file)),
         )
         size = self.size_m(row)
         rotation = self._entries[row.library][row.model].get("modelRotation")
         return Mesh(row.model, size, normalised(parts, size, rotation))
+
+
+def _marked(materials: str, kind: str) -> str:
+    """Return an MTL file with what is glass in windows and doors in the colour that marks it."""
+    if kind not in GLAZED:
+        return materials
+    blocks = materials.split("newmtl ")
+    for number, block in enumerate(blocks):
+        words = dict(line.split(None, 1) for line in block.splitlines()[1:] if " " in line.strip())
+        if float(words.get("d", "1").split()[-1]) < CLEAR:
+            name = block.splitlines()[0]
+            blocks[number] = f"{name}\nKd {' '.join(str(value) for value in GLASS)}\n"
+    return "newmtl ".join(blocks)
 
 
 def _stretch(size_m: Size, wanted_m: Size) -> float:
