@@ -141,10 +141,10 @@ def _counted(
     from rich.progress import track
 
     from doro_evaluation.perception.chain import (
-        FUSED_SCORE,
         SYSTEMS,
         figures_of,
         kept_or_rendered,
+        lowest_score,
         outcomes,
         test_rows,
     )
@@ -152,7 +152,7 @@ def _counted(
     from doro_perception.stages import Stages
 
     settings = _settings(common, backend, relations=False)
-    settings = msgspec.structs.replace(settings, captioner_threshold=FUSED_SCORE)
+    settings = msgspec.structs.replace(settings, captioner_threshold=lowest_score())
     detector = make_backend(settings, Stages())
     assert detector is not None
     found: list[Chained] = []

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import msgspec
 import numpy as np
 import pytest
 
@@ -13,6 +12,8 @@ from doro_evaluation.counting.metrics import tally
 from doro_evaluation.outcomes import Outcome, Thing
 from doro_evaluation.perception import chain, tune
 from doro_evaluation.perception.tuning_rooms import kind_of, rows
+from doro_mapper.settings import MapperSettings
+from doro_perception.settings import PerceptionSettings
 from doro_schemas.messages import CaptionedBox, ClassProbability, FrameCaptions
 from doro_sim_feeder.rooms.evaluation_set import plan_set
 
@@ -56,11 +57,11 @@ def test_each_kind_of_room_weighs_the_same_and_the_best_comes_first(
 ) -> None:
     good: tune.Key = ("fused", 0.5, 2.0, 0.25)
     bad: tune.Key = ("fused", 0.7, 2.0, 0.25)
-    other: tune.Key = ("single frames", 0.5, 2.0, 0.25)
+    others: list[tune.Key] = [(name, 0.5, 2.0, 0.25) for name in ("votes", "single frames")]
 
     def room(name: str, right: bool) -> tuple[str, dict[tune.Key, tune.Floats]]:
         one, two = tally(outcome(name, 2, 2)), tally(outcome(name, 2, 1))
-        return name, {good: one if right else two, bad: two, other: two}
+        return name, {good: one if right else two, bad: two} | dict.fromkeys(others, two)
 
     rooms = [room("FloorPlan14", True), room("FloorPlan4", False), room("FloorPlan211", True)]
     f1 = tune.by_kind(rooms, good)
@@ -71,10 +72,10 @@ def test_each_kind_of_room_weighs_the_same_and_the_best_comes_first(
     assert lines[1].startswith("fused          0.50 2.0 0.25")
     mean = np.mean(list(f1.values()))
     assert f"| {mean:.3f} all" in lines[1]
-    assert sum(line.startswith("single frames") for line in lines) == 2
+    assert sum(line.startswith("votes") for line in lines) == 2
 
 
-def test_boxes_below_the_score_are_left_out() -> None:
+def test_a_way_takes_boxes_above_its_score_with_or_without_distributions() -> None:
     boxes = [
         CaptionedBox([0.0, 0.0, 9.0, 9.0], score, "a cup", None, [ClassProbability("cup", 1.0)])
         for score in (0.4, 0.6)
@@ -82,6 +83,17 @@ def test_boxes_below_the_score_are_left_out() -> None:
     said = FrameCaptions(
         stamp_ns=0, episode="e", camera="c", frame=0, width_px=10, height_px=10, detections=boxes
     )
-    (left,) = tune.above([said], 0.5)
-    assert [box.score for box in left.detections] == [0.6]
-    assert msgspec.structs.replace(left, detections=boxes, shares=said.shares) == said
+    (left,) = chain.taken([said], chain.Way(0.5, MapperSettings(), distributions=True))
+    assert left.detections == [boxes[1]]
+    (bare,) = chain.taken([said], chain.Way(0.5, MapperSettings()))
+    assert [(box.score, box.caption, box.classes) for box in bare.detections] == [
+        (0.6, "a cup", [])
+    ]
+
+
+def test_the_detector_looks_low_enough_for_every_way_and_fused_is_what_is_shipped() -> None:
+    assert chain.lowest_score() == min(way.score for way in chain.WAYS.values())
+    fused = chain.WAYS["fused"]
+    assert fused.score == PerceptionSettings().captioner_threshold
+    assert fused.mapper == MapperSettings()
+    assert not any(chain.WAYS[name].distributions for name in ("votes", "single frames"))

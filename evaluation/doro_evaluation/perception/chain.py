@@ -44,19 +44,41 @@ from doro_sim_feeder.rooms.episode import RoomEpisode
 from doro_sim_feeder.rooms.evaluation_set import SetRow, plan_set
 from doro_sim_feeder.rooms.expressions import KINDS, expressions
 
-SYSTEMS = ("oracle", "fused", "not fused", "single frames")
 PAIRS_OF_A_KIND = 4
 """Instructions of each of the paper's three kinds that are asked in a room."""
 MATCHED_M = 0.5
-FUSED_SCORE, SINGLE_SCORE = 0.55, 0.55
-"""Thresholds with and without fusion over views: the best of .3 to .7 on five bedrooms, a kitchen
-and a living room that are no test rooms, each kind of room weighing the same (F1 .79 and .80 with
-the map's settings below)."""
-DETECTOR_MAP = MapperSettings(min_hits=3, min_hit_share=0.25)
-"""What a detector that errs needs, tuned there as well. ``min_certain`` has its default, which was
-tuned there too."""
 ENOUGH_VIEWS = 3
 """Counting is told besides of things that a perfect detector reports in so many views."""
+
+
+@dataclass(frozen=True)
+class Way:
+    """How a map is made of what the detector says.
+
+    Attributes:
+        score: boxes below it are left out.
+        mapper: settings of the map.
+        distributions: boxes come with their class distributions; else with the likeliest name.
+    """
+
+    score: float
+    mapper: MapperSettings
+    distributions: bool = False
+
+
+UNVOTED = MapperSettings(
+    min_hits=1, min_hit_share=0.0, fuse_names=False, without=("voting", "observability")
+)
+"""One view is enough, names the thing, and nothing that another view says or misses counts."""
+WAYS = {
+    "fused": Way(PerceptionSettings().captioner_threshold, MapperSettings(), distributions=True),
+    "votes": Way(0.55, MapperSettings(min_hits=3, min_hit_share=0.25, fuse_names=False)),
+    "single frames": Way(0.9, UNVOTED),
+}
+"""``fused``: as shipped. ``votes``: the likeliest name of each view, and the map lets views vote.
+``single frames``: the likeliest name of one view. Each with its own best thresholds on the rooms of
+``tuning_rooms``, which are no test rooms."""
+SYSTEMS = ("oracle", *WAYS)
 
 
 @dataclass(frozen=True)
@@ -146,55 +168,48 @@ def graphs(said: Sequence[FrameCaptions], nlu: Nlu) -> list[FrameGraphs]:
     return found
 
 
-def winners(said: Sequence[FrameCaptions], threshold: float) -> list[FrameCaptions]:
-    """Return the captions as a detector without distributions gives them: above a threshold."""
+def taken(said: Sequence[FrameCaptions], way: Way) -> list[FrameCaptions]:
+    """Return what a way takes of the captions."""
     return [
         msgspec.structs.replace(
             frame,
-            detections=[_winner(box) for box in frame.detections if box.score >= threshold],
+            detections=[_box(box, way) for box in frame.detections if box.score >= way.score],
             shares=[],
         )
         for frame in said
     ]
 
 
-def _winner(box: CaptionedBox) -> CaptionedBox:
-    return msgspec.structs.replace(box, classes=[])
+def _box(box: CaptionedBox, way: Way) -> CaptionedBox:
+    return box if way.distributions else msgspec.structs.replace(box, classes=[])
 
 
 def outcomes(
-    room: ColorRoom,
-    detector: DetectionBackend,
-    settings: PerceptionSettings,
-    single: float = SINGLE_SCORE,
-    mapper: MapperSettings = DETECTOR_MAP,
+    room: ColorRoom, detector: DetectionBackend, settings: PerceptionSettings
 ) -> Iterator[Chained]:
-    """Yield what each system finds and answers in a room.
+    """Yield what each system finds and answers in a room; the detector looks once for all.
 
     Args:
-        settings: of the detector with fusion, whose threshold may be low.
-        single: threshold of the systems without fusion.
-        mapper: of the detector's maps; those without fusion only lack the fusion of names. The
-            oracle's has the defaults.
+        settings: of the detector; its threshold is the least of :data:`WAYS`.
     """
     nlu = Nlu(msgspec.structs.replace(NluSettings(), cache_size=1_000_000))
-    unfused = msgspec.structs.replace(mapper, fuse_names=False)
     said = captions(room, Perception(settings, detector))
-    tops = winners(said, single)
-    runs = {
-        "oracle": (Language().graphs(room.room), MapperSettings()),
-        "fused": (graphs(said, nlu), mapper),
-        "not fused": (graphs(said, nlu), unfused),
-        "single frames": (graphs(tops, nlu), unfused),
-    }
     asked = pairs_of(room.room)
     for system in SYSTEMS:
-        found, use = runs[system]
+        if system == "oracle":
+            found, use = Language().graphs(room.room), MapperSettings()
+        else:
+            found, use = graphs(taken(said, WAYS[system]), nlu), WAYS[system].mapper
         reply = run_mapper(room.room, found, use).instances(InstancesRequest())
         yield Chained(
             _counted(room.room, reply, system, settings.backend),
             tuple(_answered(room.room, asked, reply, nlu, system)),
         )
+
+
+def lowest_score() -> float:
+    """Return the threshold of the detector that looks for all ways."""
+    return min(way.score for way in WAYS.values())
 
 
 def _counted(room: Room, reply: Instances, system: str, backend: str) -> Outcome:

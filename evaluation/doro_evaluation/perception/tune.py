@@ -3,8 +3,8 @@
     python -m doro_evaluation.perception.tune --rooms DIR [--models FOLDER] [--recordings 18]
 
 Renders the tuning rooms into DIR (kept), looks at all their views with the models, and prints
-F1 by kind of room for the detector with its names fused over views and for single frames: each
-with its own best thresholds. With ``--without 4,16`` rooms are left out, with ``--render`` frames
+F1 by kind of room for each way to make a map of what they say (``chain.WAYS``), each with its own
+best thresholds. With ``--without 4,16`` rooms are left out, with ``--render`` frames
 are rendered only.
 """
 
@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from doro_evaluation.chain import Room
 from doro_evaluation.counting.metrics import summary, tally
 from doro_evaluation.outcomes import CLASS_OF_NAME, Outcome, Thing, true_things
-from doro_evaluation.perception.chain import captions, graphs, kept_or_rendered, winners
+from doro_evaluation.perception.chain import WAYS, Way, captions, graphs, kept_or_rendered, taken
 from doro_evaluation.perception.tuning_rooms import kind_of, rows
 from doro_mapper.area import Area
 from doro_mapper.core import COUNTERS
@@ -41,14 +41,14 @@ from doro_schemas.messages import FrameCaptions, FrameGraphs
 
 LOWEST = 0.3
 SCORES = (0.3, 0.4, 0.45, 0.5, 0.55, 0.6, 0.65, 0.7)
-CERTAIN = (1.5, 2.0, 2.5, 3.0, 4.0)
-HITS = (2, 3, 4, 5, 6)
+LEAST = {"fused": (1.5, 2.0, 2.5, 3.0, 4.0), "votes": (2, 3, 4, 5, 6)}
 SHARES = (0.25, 0.33, 0.4, 0.5)
-SYSTEMS = ("fused", "single frames")
+SURE = (0.6, 0.7, 0.8, 0.85, 0.9, 0.93, 0.95, 0.97, 0.98, 0.99)
+"""Scores of single frames."""
 SHOWN = 12
 Floats = NDArray[np.float64]
 Key = tuple[str, float, float, float]
-"""System, score, least certain views (single frames: views), least share of hits."""
+"""Way, score, least certain views (others than ``fused``: views), least share of hits."""
 
 
 @dataclass(frozen=True)
@@ -83,39 +83,30 @@ def _digest(models: Path, settings: PerceptionSettings) -> str:
     return hashlib.sha256(all_ + msgspec.json.encode(settings)).hexdigest()[:12]
 
 
-def above(said: Sequence[FrameCaptions], score: float) -> list[FrameCaptions]:
-    """Return the captions without boxes below a score."""
-    return [
-        msgspec.structs.replace(
-            frame, detections=[box for box in frame.detections if box.score >= score], shares=[]
-        )
-        for frame in said
-    ]
-
-
 def tallies(one: Seen, nlu: Nlu) -> dict[Key, Floats]:
     """Return the tally of a room under each setting of each system."""
     found: dict[Key, Floats] = {}
     truth = true_things(one.room)
-    for system, score in itertools.product(SYSTEMS, SCORES):
-        fused = system == "fused"
-        said = above(one.said, score) if fused else winners(one.said, score)
-        things = _mapped(one.room, graphs(said, nlu), fused=fused)
-        for least, share in itertools.product(CERTAIN if fused else HITS, SHARES):
-            use = MapperSettings(
-                min_hits=int(least) if not fused else 1,
-                min_hit_share=share,
-                min_certain=least,
-                min_certain_share=share,
-            )
-            counted = tuple(_thing(item) for item in things if _counts(item, one.room, use))
-            found[system, score, least, share] = tally(_outcome(one.room, truth, counted, system))
+    for name, way in WAYS.items():
+        least, shares = LEAST.get(name, (1,)), SHARES if name in LEAST else (0.0,)
+        for score in SCORES if name in LEAST else SURE:
+            said = taken(one.said, Way(score, way.mapper, way.distributions))
+            things = _mapped(one.room, graphs(said, nlu), way.mapper)
+            for views, share in itertools.product(least, shares):
+                use = MapperSettings(
+                    min_hits=max(1, int(views)),
+                    min_hit_share=share,
+                    min_certain=views,
+                    min_certain_share=share,
+                )
+                counted = tuple(_thing(item) for item in things if _counts(item, one.room, use))
+                found[name, score, views, share] = tally(_outcome(one.room, truth, counted, name))
     return found
 
 
-def _mapped(room: Room, found: Sequence[FrameGraphs], *, fused: bool) -> list[Found]:
+def _mapped(room: Room, found: Sequence[FrameGraphs], mapper: MapperSettings) -> list[Found]:
     """Return all that a map holds, believed or not, of the evaluated classes."""
-    loose = MapperSettings(min_hits=1, min_certain=1.0, fuse_names=fused)
+    loose = msgspec.structs.replace(mapper, min_hits=1, min_certain=1.0)
     area, counters = Area(loose), dict.fromkeys(COUNTERS, 0)
     for depth, graph in zip(room.depths, found, strict=True):
         area.merge(depth, graph, counters)
@@ -162,7 +153,7 @@ def print_best(rooms: Sequence[tuple[str, dict[Key, Floats]]]) -> None:
     """Print the best settings of each system; each kind of room weighs the same."""
     kinds = sorted({kind_of(room) for room, _ in rooms})
     print(f"{len(rooms)} recordings; " + ", ".join(kinds))
-    for system in SYSTEMS:
+    for system in WAYS:
         table = {}
         for key in (key for key in rooms[0][1] if key[0] == system):
             f1 = by_kind(rooms, key)
