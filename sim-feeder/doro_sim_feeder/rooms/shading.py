@@ -125,7 +125,7 @@ class Shader:
         facing = (normal * view).sum(axis=1, keepdims=True)
         head, tint = np.clip(-facing, 0, 1), np.sqrt(albedo)
         behind = around * room_light(view)[:, None] * (0.35 + 0.65 * albedo)
-        shown = albedo * light * diffuse * (1 - clear * head) + behind * clear * head
+        shown: NDArray[Any] = albedo * light * diffuse * (1 - clear * head) + behind * clear * head
         image = room_light(view - 2 * facing * normal)[:, None]
         shown += around * mirror * image * np.where(diffuse < 1, tint, 1)
         shown += sheen * (1 - head) ** 2 * light * tint
