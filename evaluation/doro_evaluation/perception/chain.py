@@ -72,8 +72,8 @@ UNVOTED = MapperSettings(
 """One view is enough, names the thing, and nothing that another view says or misses counts."""
 WAYS = {
     "fused": Way(PerceptionSettings().captioner_threshold, MapperSettings(), distributions=True),
-    "votes": Way(0.55, MapperSettings(min_hits=3, min_hit_share=0.25, fuse_names=False)),
-    "single frames": Way(0.9, UNVOTED),
+    "votes": Way(0.45, MapperSettings(min_hits=3, min_hit_share=0.5, fuse_names=False)),
+    "single frames": Way(0.85, UNVOTED),
 }
 """``fused``: as shipped. ``votes``: the likeliest name of each view, and the map lets views vote.
 ``single frames``: the likeliest name of one view. Each with its own best thresholds on the rooms of
