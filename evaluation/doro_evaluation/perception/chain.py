@@ -72,7 +72,7 @@ UNVOTED = MapperSettings(
 """One view is enough, names the thing, and nothing that another view says or misses counts."""
 WAYS = {
     "fused": Way(PerceptionSettings().captioner_threshold, MapperSettings(), distributions=True),
-    "votes": Way(0.45, MapperSettings(min_hits=3, min_hit_share=0.5, fuse_names=False)),
+    "votes": Way(0.6, MapperSettings(min_hits=3, min_hit_share=0.4, fuse_names=False)),
     "single frames": Way(0.85, UNVOTED),
 }
 """``fused``: as shipped. ``votes``: the likeliest name of each view, and the map lets views vote.

@@ -90,7 +90,7 @@ class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
     min_hits: int = 2
     min_hit_share: float = 0.25
     min_certain: float = 2.5
-    min_certain_share: float = 0.4
+    min_certain_share: float = 0.5
     few_views: int = 40
     max_evidence: int = 5
     relation_share: float = 0.3
