@@ -136,7 +136,10 @@ def fit(captioner: Captioner, frames: list[Frame], start: Calibration) -> Calibr
         color_temperature=temperature(*colors),
         material_temperature=temperature(*materials),
     )
-    use = msgspec.structs.replace(use, prior_share=_prior_share(use, kinds, materials))
+    # Rooms dressed anew are of any material: of the prior only plain frames tell.
+    plain = [frame for frame in frames if frame.plain] or frames
+    known, _, made_of = attribute_logits(captioner, plain)
+    use = msgspec.structs.replace(use, prior_share=_prior_share(use, known, made_of))
     captioner.calibration = use
     seen = look(captioner, frames)
     best: tuple[float, Calibration, Any] | None = None
@@ -155,16 +158,18 @@ def fit(captioner: Captioner, frames: list[Frame], start: Calibration) -> Calibr
 
 
 def _prior_share(use: Calibration, kinds: Any, materials: Any) -> float:
+    """Return the exponent of the prior of least cross entropy, of boxes of a known class."""
     prior = np.asarray(use.material_prior)
     known = (materials[1] >= 0) & (kinds[1] >= 0) & (kinds[1] < len(CLASSES))
     share = np.exp(kinds[0][:, : len(CLASSES)] / use.temperature)
     share /= share.sum(axis=1, keepdims=True)
     image = np.exp(materials[0] / use.material_temperature)
-    rates = []
+    losses = []
     for power in PRIOR_SHARES:
         mixed = image * np.maximum(share @ prior, 1e-3) ** power
-        rates.append(float((mixed.argmax(axis=1) == materials[1])[known].mean()))
-    return PRIOR_SHARES[int(np.argmax(rates))]
+        right = mixed[np.arange(len(mixed)), np.maximum(materials[1], 0)] / mixed.sum(axis=1)
+        losses.append(float(-np.log(right[known]).mean()))
+    return PRIOR_SHARES[int(np.argmin(losses))]
 
 
 def _scored(captioner: Captioner, seen: list[Seen], use: Calibration) -> tuple[Floats, Any]:
