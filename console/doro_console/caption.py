@@ -52,7 +52,8 @@ def caption(
 ) -> None:
     """Draw boxes and captions into images; PNG files in --out.
 
-    An image that cannot be read is refused with a sentence, the others are done all the same.
+    Of images of one name the second has its folder's name before it. An image that cannot be
+    read is refused with a sentence, the others are done all the same.
     """
     from doro_perception.draw import draw_captions, write_png
     from doro_perception.files import describe_file
@@ -61,7 +62,7 @@ def caption(
     settings = _settings(common, backend, relations=relations)
     core = _core(settings)
     out.mkdir(parents=True, exist_ok=True)
-    refused = 0
+    refused, taken = 0, set[Path]()
     for number, path in enumerate(images):
         try:
             rgb, message = describe_file(core, path, number)
@@ -70,7 +71,7 @@ def caption(
             talk.print(f"{path}: {error.reason}", markup=False)
             continue
         picture = draw_captions(rgb, message)
-        target = out / f"{path.stem}.png"
+        target = _free(out, path, taken)
         write_png(target, picture)
         if as_json:
             click.echo(json.dumps({"image": str(path), **msgspec.to_builtins(message)}))
@@ -82,6 +83,16 @@ def caption(
                 click.echo(f"  and {len(message.unnamed)} that have no name")
     if refused:
         raise SystemExit(1)
+
+
+def _free(out: Path, image: Path, taken: set[Path]) -> Path:
+    """Return where an image's picture goes: images of one name do not overwrite each other."""
+    names = (image.stem, f"{image.absolute().parent.name}-{image.stem}")
+    targets = [out / f"{name}.png" for name in names]
+    targets += [out / f"{image.stem}-{number}.png" for number in range(2, len(taken) + 3)]
+    target = next(path for path in targets if path not in taken)
+    taken.add(target)
+    return target
 
 
 def _settings(common: Common, backend: str, *, relations: bool) -> PerceptionSettings:

@@ -92,3 +92,23 @@ def test_the_command_draws_what_it_can_and_says_what_it_cannot(tmp_path: Path) -
     assert drawn is not None
     assert (drawn != red()[..., ::-1]).any()
     assert not (out / "bad.png").exists()
+
+
+def test_images_of_one_name_do_not_overwrite_each_other(tmp_path: Path) -> None:
+    images = [tmp_path / name / "001.png" for name in ("a", "b", "c/b", "c/d/b")]
+    for image in images:
+        image.parent.mkdir(parents=True)
+        cv2.imwrite(str(image), red()[..., ::-1])
+    out = tmp_path / "out"
+    given = ["caption", *map(str, images), "--out", str(out), "--backend", "onnx"]
+    result = CliRunner().invoke(
+        main, [*given, "--set", f"perception.detector={yolo(tmp_path)}"], catch_exceptions=False
+    )
+    assert result.exit_code == 0
+    assert sorted(path.name for path in out.iterdir()) == [
+        "001-2.png",
+        "001-3.png",
+        "001.png",
+        "b-001.png",
+    ]
+    assert all(str(path) in result.output for path in out.iterdir())
