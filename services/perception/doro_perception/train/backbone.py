@@ -178,20 +178,25 @@ def mixed_styles(x: Tensor, restyled: Tensor) -> Tensor:
 
 
 class Block(nn.Module):  # type: ignore[misc]
-    """An inverted residual block."""
+    """An inverted residual block: its convolutions, and the input added where shapes allow."""
 
-    def __init__(self, weights: Weights, number: int, stride: int) -> None:
+    def __init__(self, layers: list[Conv], stride: int) -> None:
         super().__init__()
-        name = "expanded_conv" + (f"_{number}" if number else "")
-        layers = [Conv(weights[f"{name}/expand"], 1, active=True)] if number else []
-        layers.append(Conv(weights[f"{name}/depthwise"], stride, active=True))
-        layers.append(Conv(weights[f"{name}/project"], 1, active=False))
         self.layers = nn.Sequential(*layers)
         self.residual = stride == 1 and layers[0].conv.in_channels == layers[-1].conv.out_channels
 
     def forward(self, x: Tensor) -> Tensor:
         y = self.layers(x)
         return x + y if self.residual else y
+
+
+def block(weights: Weights, number: int, stride: int) -> Block:
+    """Return one of MobileNetV2's blocks."""
+    name = "expanded_conv" + (f"_{number}" if number else "")
+    layers = [Conv(weights[f"{name}/expand"], 1, active=True)] if number else []
+    layers.append(Conv(weights[f"{name}/depthwise"], stride, active=True))
+    layers.append(Conv(weights[f"{name}/project"], 1, active=False))
+    return Block(layers, stride)
 
 
 class MobileNetV2(nn.Module):  # type: ignore[misc]
@@ -204,7 +209,7 @@ class MobileNetV2(nn.Module):  # type: ignore[misc]
         super().__init__()
         self.stem = Conv(weights["Conv"], 2, active=True)
         self.blocks = nn.ModuleList(
-            Block(weights, number, STRIDES.get(number, 1)) for number in range(BLOCKS)
+            block(weights, number, STRIDES.get(number, 1)) for number in range(BLOCKS)
         )
 
     def forward(

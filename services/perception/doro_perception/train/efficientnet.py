@@ -13,7 +13,7 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from doro_perception.train.backbone import Conv, Weights, mixed_styles
+from doro_perception.train.backbone import Block, Conv, Weights, mixed_styles
 
 STAGES = ((1, 1), (2, 2), (2, 2), (3, 2), (3, 1), (4, 2), (1, 1))
 """Blocks of each stage and the stride of its first."""
@@ -51,23 +51,14 @@ def read_lite(path: Path) -> Weights:
     return found
 
 
-class LiteBlock(nn.Module):  # type: ignore[misc]
-    """An inverted residual block."""
-
-    def __init__(self, weights: Weights, number: int, stride: int) -> None:
-        super().__init__()
-        name = f"_blocks.{number}"
-        layers = []
-        if f"{name}._expand_conv" in weights:
-            layers.append(Conv(weights[f"{name}._expand_conv"], 1, active=True))
-        layers.append(Conv(weights[f"{name}._depthwise_conv"], stride, active=True))
-        layers.append(Conv(weights[f"{name}._project_conv"], 1, active=False))
-        self.layers = nn.Sequential(*layers)
-        self.residual = stride == 1 and layers[0].conv.in_channels == layers[-1].conv.out_channels
-
-    def forward(self, x: Tensor) -> Tensor:
-        y = self.layers(x)
-        return x + y if self.residual else y
+def lite_block(weights: Weights, number: int, stride: int) -> Block:
+    """Return one of EfficientNet-Lite's blocks; the first expands nothing."""
+    name, layers = f"_blocks.{number}", []
+    if f"{name}._expand_conv" in weights:
+        layers.append(Conv(weights[f"{name}._expand_conv"], 1, active=True))
+    layers.append(Conv(weights[f"{name}._depthwise_conv"], stride, active=True))
+    layers.append(Conv(weights[f"{name}._project_conv"], 1, active=False))
+    return Block(layers, stride)
 
 
 class EfficientNetLite(nn.Module):  # type: ignore[misc]
@@ -83,7 +74,7 @@ class EfficientNetLite(nn.Module):  # type: ignore[misc]
         for count, stride in STAGES:
             blocks = []
             for place in range(count):
-                blocks.append(LiteBlock(weights, number, stride if place == 0 else 1))
+                blocks.append(lite_block(weights, number, stride if place == 0 else 1))
                 number += 1
             stages.append(nn.Sequential(*blocks))
         self.stages = nn.ModuleList(stages)
