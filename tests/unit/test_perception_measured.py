@@ -10,7 +10,8 @@ import pytest
 from click.testing import CliRunner
 
 from doro_console.__main__ import main
-from doro_evaluation.dressing.frames import UNNAMED_KIND, Labels, label, write_shard
+from doro_evaluation.dressing.frames import write_shard
+from doro_evaluation.dressing.labels import UNNAMED_KIND, Labels, label
 from doro_evaluation.dressing.scatter import scattered
 from doro_evaluation.outcomes import Outcome, Thing
 from doro_evaluation.perception.chain import Chained, by_class

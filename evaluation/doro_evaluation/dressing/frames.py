@@ -17,7 +17,6 @@ import signal
 import sys
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -26,17 +25,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from doro_evaluation.dressing.dress import dressed
+from doro_evaluation.dressing.labels import TAUGHT, Labels, label
 from doro_evaluation.dressing.meshes.libraries import MoreMeshes
 from doro_evaluation.dressing.scatter import held, scattered
+from doro_evaluation.dressing.varied import varied_scene
 from doro_evaluation.dressing.views import Views, bloomed, room_light
-from doro_perception.classes import CLASSES, COLOURS, MATERIALS, UNNAMED
-from doro_schemas.camera import Pose
 from doro_sim_feeder.rooms.camera import Camera
 from doro_sim_feeder.rooms.copies import CopySpec
 from doro_sim_feeder.rooms.evaluation_set import plan_set
 from doro_sim_feeder.rooms.exploration import plan_views
 from doro_sim_feeder.rooms.gl import GlRenderer
-from doro_sim_feeder.rooms.instances import BACKGROUND
 from doro_sim_feeder.rooms.layout import room_names
 from doro_sim_feeder.rooms.lighting import ceiling_lighting
 from doro_sim_feeder.rooms.placement import place_copies
@@ -44,7 +42,6 @@ from doro_sim_feeder.rooms.raycast import make_soup
 from doro_sim_feeder.rooms.scene import Scene, build_scene
 
 KINDS = ("kitchens", "living_rooms", "bedrooms", "bathrooms")
-UNNAMED_KIND = len(CLASSES)
 HELD_OUT = (306, 4, 224, 204, 16, 325, 216, 19, 23, 213, 314, 405, 420)
 """Numbers of the rooms that only measure, of all kinds from the first on; 19 is the sample's."""
 CALIBRATION = (14, 211, 317, 411)
@@ -62,12 +59,6 @@ ALSO_COPIED = (
 FLOOR = frozenset({"Stool", "Chair", "SideTable", "ArmChair", "Sofa", "FloorLamp", "GarbageCan"})
 SIZE_PX = 384
 CLOSE_SHARE = 0.3
-LEAST_PX, LEAST_SIDE_PX, LEAST_SHOWN, LEAST_INSIDE, LEAST_FILLED = 30, 5.0, 0.25, 0.2, 0.06
-TAUGHT = {name: number for number, name in enumerate(CLASSES)} | dict.fromkeys(
-    UNNAMED, UNNAMED_KIND
-)
-# A poster is a picture with another name; one class for both.
-TAUGHT["Poster"] = TAUGHT["Painting"]
 
 
 def rooms_of(part: str) -> list[str]:
@@ -83,88 +74,24 @@ def rooms_of(part: str) -> list[str]:
     return [name for name in rooms if number_of[name] < 401 or number_of[name] % 3 == 0]
 
 
-@dataclass(frozen=True)
-class Labels:
-    """The boxes of one picture; see the module's text for the columns."""
+def with_copies(scene: Scene, rng: np.random.Generator, kinds: int, floor: int = 2) -> Scene:
+    """Return the room with two to four copies each of several classes, where they fit.
 
-    box: NDArray[np.float32]
-    kind: NDArray[np.int16]
-    colour: NDArray[np.int8]
-    material: NDArray[np.int8]
-    ignore: NDArray[np.bool_]
-    copy: NDArray[np.bool_]
-
-
-def with_copies(scene: Scene, rng: np.random.Generator, kinds: int) -> Scene:
-    """Return the room with two to four copies each of several classes, where they fit."""
+    Args:
+        kinds: how many classes, ``floor`` of them such as stand on the floor.
+    """
     small = [name for name in COPIED if name not in FLOOR]
     also = [name for name in ALSO_COPIED if name not in FLOOR]
     large = sorted(FLOOR)
-    count = max(kinds - 2, 1)
+    count = max(kinds - floor, 1)
     chosen = [str(name) for name in rng.permutation(small)[: count * 2 // 3 + 1]]
     chosen += [str(name) for name in rng.permutation(also)[: count // 3]]
-    chosen += [str(name) for name in rng.permutation(large)[:2]]
+    chosen += [str(name) for name in rng.permutation(large)[:floor]]
     for name in chosen:
         number = int(rng.integers(1, 3)) if name in FLOOR else int(rng.integers(2, 5))
         spec = CopySpec(name, number, arrange="mixed")
         scene = place_copies(scene, spec, int(rng.integers(1 << 30))).scene
     return scene
-
-
-def label(scene: Scene, ids: NDArray[np.int32], pose: Pose, camera: Camera) -> Labels:
-    """Return the boxes of what a picture of instance ids shows."""
-    counts = np.bincount(ids.ravel())
-    rows: list[tuple[list[float], int, int, int, bool, bool]] = []
-    for number in np.flatnonzero(counts):
-        if number == 0:
-            continue
-        item = scene.instances[number - 1]
-        if item.object_type in BACKGROUND or counts[number] < LEAST_PX / 2:
-            continue
-        mask = ids == number
-        columns, lines = np.flatnonzero(mask.any(axis=0)), np.flatnonzero(mask.any(axis=1))
-        box = np.array([columns[0], lines[0], columns[-1] + 1, lines[-1] + 1], np.float64)
-        hidden = _hidden(box, int(counts[number]), np.stack(item.corners), pose, camera)
-        kind = TAUGHT.get(item.object_type, -1)
-        colour = COLOURS.index(item.color) if item.color in COLOURS else -1
-        material = MATERIALS.index(item.material) if item.material in MATERIALS else -1
-        if kind >= 0 or item.object_type not in ("Cabinet", "Drawer", "Shelf"):
-            rows.append((box.tolist(), kind, colour, material, hidden, item.copy))
-    columns_of: list[Any] = list(zip(*rows, strict=True)) if rows else [()] * 6
-    return Labels(
-        box=np.asarray(columns_of[0], np.float32).reshape(-1, 4),
-        kind=np.asarray(columns_of[1], np.int16),
-        colour=np.asarray(columns_of[2], np.int8),
-        material=np.asarray(columns_of[3], np.int8),
-        ignore=np.asarray(columns_of[4], np.bool_),
-        copy=np.asarray(columns_of[5], np.bool_),
-    )
-
-
-def _hidden(
-    box: NDArray[np.float64],
-    pixels: int,
-    corners: NDArray[np.float32],
-    pose: Pose,
-    camera: Camera,
-) -> bool:
-    """Tell whether too little of a thing is seen to ask anyone for it."""
-    size = box[2:] - box[:2]
-    scale = camera.size_px / 300
-    if pixels < LEAST_PX * scale**2 or size.min() < LEAST_SIDE_PX * scale:
-        return True
-    if pixels < LEAST_FILLED * size.prod():
-        return True
-    grid = np.stack(np.meshgrid(*corners.T, indexing="ij"), axis=-1).reshape(-1, 3)
-    at = (grid - np.asarray(pose.position_m)) @ pose.matrix()
-    ahead = np.maximum(at[:, 2:], 0.05)
-    k = camera.intrinsics
-    pixel = at[:, :2] / ahead * k.fx + [k.cx, k.cy]
-    low, high = pixel.min(axis=0), pixel.max(axis=0)
-    whole = float(np.maximum(high - low, 1).prod())
-    inside = np.clip(high, 0, camera.size_px) - np.clip(low, 0, camera.size_px)
-    shown = float(np.maximum(inside, 1).prod())
-    return bool(size.prod() < LEAST_SHOWN * shown or shown < LEAST_INSIDE * whole)
 
 
 def _furnished(scene: Scene, rng: np.random.Generator, meshes: MoreMeshes | None) -> Scene:
@@ -181,18 +108,30 @@ def _scene(room: str) -> Scene:
 
 
 def frames_of(
-    room: str, seed: int, count: int, *, dress: bool, meshes: MoreMeshes | None = None
+    room: str,
+    seed: int,
+    count: int,
+    *,
+    dress: bool,
+    vary: bool = False,
+    meshes: MoreMeshes | None = None,
 ) -> Iterator[tuple[NDArray[np.uint8], Labels]]:
     """Render the labelled frames of one room.
 
     Args:
         dress: with other looks, light and views than the evaluation has; False: as it has
             them, at 300 px, with copies.
+        vary: these with other furniture (``varied.py``) and more of it.
         meshes: more models to dress with.
     """
     number = int(room.removeprefix("FloorPlan"))
     rng = np.random.default_rng([seed, number, int(dress)])
-    scene = _furnished(_scene(room), rng, meshes) if dress else with_copies(_scene(room), rng, 6)
+    if dress:
+        scene = _furnished(_scene(room), rng, meshes)
+    elif vary:
+        scene = with_copies(varied_scene(room, rng), rng, 8, floor=int(rng.integers(1, 5)))
+    else:
+        scene = with_copies(_scene(room), rng, 6)
     pairs = [(k, item.parts) for k, item in enumerate(scene.instances, start=1)]
     camera = Camera(SIZE_PX if dress else 300)
     light = room_light(scene.room, rng) if dress else ceiling_lighting(scene.room)
@@ -267,6 +206,8 @@ def main() -> None:
         "--meshes", type=Path, help="a folder with more models; see dressing/meshes/libraries.py"
     )
     parser.add_argument("--plain", action="store_true", help="as the evaluation renders")
+    parser.add_argument("--vary", action="store_true", help="plain ones with other furniture")
+    parser.add_argument("--kinds", nargs="+", choices=KINDS, default=KINDS, help="of rooms")
     parser.add_argument("--most-s", type=float, default=0, help="of CPU time for a room; 0: any")
     parser.add_argument("--share", default="0/1", help="k/n: every n-th room from the k-th on")
     arguments = parser.parse_args()
@@ -275,18 +216,25 @@ def main() -> None:
     meshes = MoreMeshes(arguments.meshes) if arguments.meshes else None
     first, step = (int(word) for word in arguments.share.split("/"))
     for seed in arguments.seeds:
+        named = [name for kind in arguments.kinds for name in room_names(kind)]
         rooms = [str(r) for r in np.random.default_rng(seed).permutation(rooms_of(arguments.part))]
+        rooms = [room for room in rooms if room in named]
         for room in rooms[first::step]:
             path = arguments.out / f"{arguments.part}-{room}-{seed}.npz"
             if path.exists():
                 continue
             start = time.monotonic()
             frames = frames_of(
-                room, seed, arguments.frames, dress=not arguments.plain, meshes=meshes
+                room,
+                seed,
+                arguments.frames,
+                dress=not (arguments.plain or arguments.vary),
+                vary=arguments.vary,
+                meshes=meshes,
             )
             signal.setitimer(signal.ITIMER_VIRTUAL, arguments.most_s)
             try:
-                count = write_shard(path, frames, plain=arguments.plain)
+                count = write_shard(path, frames, plain=arguments.plain or arguments.vary)
             except (ValueError, TimeoutError) as error:
                 print(f"{room} seed {seed}: left out, {error}", file=sys.stderr)
                 continue

@@ -11,7 +11,8 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from doro_evaluation.dressing.frames import UNNAMED_KIND, Labels, frames_of, rooms_of
+from doro_evaluation.dressing.frames import frames_of, rooms_of
+from doro_evaluation.dressing.labels import UNNAMED_KIND, Labels
 from doro_evaluation.figures import Figure
 from doro_evaluation.perception.scores import (
     Tally,

@@ -93,7 +93,13 @@ def build_scene(name: str) -> Scene:
     Raises:
         Refused: no such room, or the layouts or meshes are not installed.
     """
-    layout = load_layout(name)
+    return build_layout(load_layout(name))
+
+
+def build_layout(layout: RoomLayout) -> Scene:
+    """Return a layout as rendered. Looks follow from the names in it, so that a layout of another
+    name, with other asset ids, is the same room with other looks.
+    """
     fitting = make_fitting(layout)
     instances = _fitted(layout, fitting)
     for item in layout.objects:
@@ -102,7 +108,7 @@ def build_scene(name: str) -> Scene:
     settled = _settle(instances)
     contents = tuple(content_rects(layout))
     cells = _cells(fitting.room, tuple(settled), contents)
-    return Scene(name, fitting.room, tuple(settled), cells, contents)
+    return Scene(layout.name, fitting.room, tuple(settled), cells, contents)
 
 
 def _fitted(layout: RoomLayout, fitting: Fitting) -> list[Instance]:

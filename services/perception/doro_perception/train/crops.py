@@ -21,12 +21,16 @@ from doro_perception.train.efficientnet import (
     packaged_lite,
     read_lite,
 )
-from doro_perception.train.shards import Frame, Image, Rng, photometric, resized
+from doro_perception.train.shards import NOBODY, Frame, Image, Rng, photometric, resized
 
 UNNAMED, NOTHING = len(CLASSES), len(CLASSES) + 1
 KINDS = len(CLASSES) + 2
 PER_FRAME, MIN_SIDE_PX = 6, 4
-BOX_JITTER = 0.07
+BOX_JITTER, MINED_JITTER = 0.07, 0.02
+MINED_SHARE = 0.5
+"""How often a box is one that the proposer found, where it found one."""
+PARTLY_SIDE_SHARE = 8 / 300
+"""Of the image's side: smaller things that are hidden for the most part are not taught."""
 STRENGTH, STRANGE_SHARE = 0.7, 0.15
 
 
@@ -116,12 +120,12 @@ def batch(
             scale = side / image.shape[0]
             image = resized(image, side, rng)
         boxes = frame.box * scale
-        good = np.flatnonzero(~frame.ignore & (frame.kind >= 0))
+        good = _taught(frame)
         if len(good):
             p = odds[frame.kind[good]]
             count = min(PER_FRAME, len(good))
             for k in rng.choice(good, count, replace=False, p=p / p.sum()):
-                crop = _jittered(image, boxes[k], rng)
+                crop = _jittered(image, *_box_of(frame, int(k), scale, rng), rng)
                 if crop is None:
                     continue
                 colour = int(frame.colour[k])
@@ -130,16 +134,33 @@ def batch(
                 crops.append(crop)
                 labels.append((int(frame.kind[k]), colour, int(frame.material[k])))
         for _ in range(2):
-            empty = _background(image, boxes, rng)
+            empty = _background(image, boxes, frame.mined[frame.mined_of == NOBODY] * scale, rng)
             if empty is not None:
                 crops.append(empty)
                 labels.append((NOTHING, -1, -1))
     return torch.from_numpy(np.stack(crops[:size])), torch.tensor(labels[:size])
 
 
-def _jittered(image: Image, box: NDArray[np.float32], rng: Rng) -> Image | None:
+def _taught(frame: Frame) -> NDArray[np.int64]:
+    """Return the rows of the things to learn: also what is hidden for the most part, where it is
+    not tiny. The proposer finds such things, and nobody should be sure of them.
+    """
+    least = PARTLY_SIDE_SHARE * frame.image().shape[0]
+    large = (frame.box[:, 2:] - frame.box[:, :2]).min(axis=1, initial=np.inf) >= least
+    return np.flatnonzero((frame.kind >= 0) & (~frame.ignore | large))
+
+
+def _box_of(frame: Frame, k: int, scale: float, rng: Rng) -> tuple[NDArray[np.float32], float]:
+    """Return a box of a thing, the truth's or a found one, and how much to move its edges."""
+    found = np.flatnonzero(frame.mined_of == k)
+    if len(found) and rng.random() < MINED_SHARE:
+        return frame.mined[rng.choice(found)] * scale, MINED_JITTER
+    return frame.box[k] * scale, BOX_JITTER
+
+
+def _jittered(image: Image, box: NDArray[np.float32], jitter: float, rng: Rng) -> Image | None:
     size = np.tile(box[2:] - box[:2], 2)
-    moved = box + rng.normal(0, BOX_JITTER, 4) * size
+    moved = box + rng.normal(0, jitter, 4) * size
     if (moved[2:] - moved[:2]).min() < MIN_SIDE_PX:
         return None
     crop = cut_out(image, moved)
@@ -177,8 +198,14 @@ def _covered(crop: Image, rng: Rng) -> Image:
     return covered
 
 
-def _background(image: Image, boxes: NDArray[np.float32], rng: Rng) -> Image | None:
-    """Return a crop that shows no thing in its middle: a random place, or a badly placed box."""
+def _background(
+    image: Image, boxes: NDArray[np.float32], wrong: NDArray[np.float32], rng: Rng
+) -> Image | None:
+    """Return a crop that shows no thing in its middle: one that the proposer took for a thing, a
+    random place, or a badly placed box.
+    """
+    if len(wrong) and rng.random() < MINED_SHARE:
+        return _jittered(image, wrong[rng.integers(len(wrong))], MINED_JITTER, rng)
     whole = image.shape[0]
     if len(boxes) and rng.random() < 0.4:
         box = boxes[int(rng.integers(len(boxes)))]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from queue import Queue
 from threading import Thread
@@ -13,13 +13,23 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from doro_perception.backend import intersection_over_union
+
+SHOWS_IOU, NOBODY_IOU = 0.5, 0.3
+NOBODY, UNCLEAR = -1, -2
 Image = NDArray[np.uint8]
 Rng = np.random.Generator
 
 
 @dataclass(frozen=True)
 class Frame:
-    """One labelled frame; columns as in the shard. ``plain``: as the evaluation renders."""
+    """One labelled frame; columns as in the shard.
+
+    Attributes:
+        plain: as the evaluation renders.
+        mined: what a proposer takes for things, (n, 4) px; empty where nobody looked.
+        mined_of: the row of ``box`` that a proposal shows, or one of ``NOBODY``, ``UNCLEAR``.
+    """
 
     jpeg: NDArray[np.uint8]
     box: NDArray[np.float32]
@@ -28,6 +38,8 @@ class Frame:
     material: NDArray[np.int8]
     ignore: NDArray[np.bool_]
     plain: bool = False
+    mined: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 4), np.float32))
+    mined_of: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
     decoded: list[Image] = field(default_factory=list, compare=False)
 
     def image(self) -> Image:
@@ -55,16 +67,22 @@ class Shards:
             if path.name in self._seen or path.name.endswith(".part.npz"):
                 continue
             self._seen.add(path.name)
-            self.frames += _read(path)
+            self.frames += read_frames(path)
 
 
-def _read(path: Path) -> list[Frame]:
+def mined_path(shard: Path) -> Path:
+    """Return where the proposals of a shard are (``doro_perception.train.mine``)."""
+    return shard.with_name(f"mined-{shard.name}")
+
+
+def read_frames(path: Path) -> list[Frame]:
+    """Return the frames of a shard, with what was mined of them."""
     with np.load(path) as data:
         columns = {name: data[name] for name in data.files}
     starts = np.concatenate([[0], columns["ends"]])
     names = ("box", "kind", "colour", "material", "ignore")
     edges = np.searchsorted(columns["frame"], np.arange(len(starts)))
-    return [
+    frames = [
         Frame(
             jpeg=columns["jpeg"][starts[k] : starts[k + 1]].copy(),
             **{name: columns[name][edges[k] : edges[k + 1]] for name in names},
@@ -72,6 +90,41 @@ def _read(path: Path) -> list[Frame]:
         )
         for k in range(len(starts) - 1)
     ]
+    mined = mined_path(path)
+    if not mined.exists():
+        return frames
+    with np.load(mined) as data:
+        boxes, ends = data["box"], np.concatenate([[0], data["ends"]])
+    return [
+        replace(frame, mined=own, mined_of=shown_by(own, frame))
+        for frame, own in zip(frames, np.split(boxes, ends[1:-1]), strict=True)
+    ]
+
+
+def shown_by(proposals: NDArray[np.float32], frame: Frame) -> NDArray[np.int64]:
+    """Return by proposal the row of the thing that it shows, ``NOBODY`` or ``UNCLEAR``.
+
+    Args:
+        proposals: (n, 4) px.
+    """
+    of = np.full(len(proposals), NOBODY, np.int64)
+    known = ~frame.ignore & (frame.kind >= 0)
+    for row, proposal in enumerate(proposals.astype(np.float64)):
+        if not len(frame.box):
+            break
+        overlaps = intersection_over_union(proposal, frame.box.astype(np.float64))
+        best = int(overlaps.argmax())
+        if overlaps[best] >= SHOWS_IOU and known[best]:
+            of[row] = best
+        elif overlaps[best] >= NOBODY_IOU or _inside(proposal, frame.box[~known]):
+            of[row] = UNCLEAR
+    return of
+
+
+def _inside(box: NDArray[np.float64], others: NDArray[np.float32]) -> bool:
+    """Tell whether at least half of a box lies in one of others."""
+    size = np.clip(np.minimum(box[2:], others[:, 2:]) - np.maximum(box[:2], others[:, :2]), 0, None)
+    return bool((size.prod(axis=1) >= 0.5 * (box[2:] - box[:2]).prod()).any())
 
 
 def photometric(image: Image, rng: Rng, strength: float = 1.0) -> Image:

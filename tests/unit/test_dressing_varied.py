@@ -1,0 +1,77 @@
+"""Training frames in the evaluation's look: other furniture, and what a proposer takes for it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+
+from doro_evaluation.dressing.frames import write_shard
+from doro_evaluation.dressing.labels import Labels
+from doro_evaluation.dressing.varied import varied, varied_scene
+from doro_perception.captioner import Candidates, Captioner
+from doro_perception.train.mine import mine
+from doro_perception.train.shards import NOBODY, UNCLEAR, Shards, mined_path, read_frames
+from doro_sim_feeder.rooms.layout import load_layout
+from doro_sim_feeder.rooms.scene import Scene, build_scene
+
+ROOM = "FloorPlan304"
+
+
+def looks(scene: Scene) -> dict[str, tuple[str | None, int]]:
+    """Return colour and number of triangles of what moves, by id."""
+    return {
+        item.object_id: (item.color, sum(len(part.faces) for part in item.parts))
+        for item in scene.instances
+    }
+
+
+def test_a_varied_room_has_less_and_looks_otherwise() -> None:
+    layout = load_layout(ROOM)
+    other = varied(layout, np.random.default_rng(3))
+    ids, kept = ({item.object_id for item in one.objects} for one in (layout, other))
+    assert kept < ids
+    gone = [item for item in layout.objects if item.object_id not in kept]
+    assert all(item.moveable or item.pickupable for item in gone)
+
+
+def test_a_varied_room_repeats_by_its_seed_and_differs_by_it() -> None:
+    own = looks(build_scene(ROOM))
+    first, again, other = (looks(varied_scene(ROOM, np.random.default_rng(k))) for k in (1, 1, 2))
+    assert first == again
+    common = [key for key in first if key in other and key in own]
+    assert len(common) > 10
+    for left, right in ((first, other), (first, own)):
+        assert sum(left[key] != right[key] for key in common) > len(common) // 4
+    assert varied_scene(ROOM, np.random.default_rng(1)).name == ROOM
+
+
+class Proposing:
+    """A captioner that proposes the same boxes in every frame."""
+
+    def propose(self, rgb: np.ndarray[Any, Any]) -> Candidates:
+        boxes = [[10.0, 10.0, 30.0, 30.0], [60.0, 60.0, 80.0, 80.0], [41.0, 11.0, 49.0, 19.0]]
+        return Candidates(np.array(boxes), np.zeros((3, 2)))
+
+
+def test_what_is_mined_tells_things_from_nothing(tmp_path: Path) -> None:
+    path = tmp_path / "train-FloorPlan304-1.npz"
+    labels = Labels(
+        box=np.array([[11, 11, 30, 30], [40, 10, 60, 30]], np.float32),
+        kind=np.array([0, 1], np.int16),
+        colour=np.array([-1, -1], np.int8),
+        material=np.array([-1, -1], np.int8),
+        ignore=np.array([False, True]),
+        copy=np.zeros(2, np.bool_),
+    )
+    image = np.full((100, 100, 3), 128, np.uint8)
+    write_shard(path, iter([(image, labels), (image, labels)]), plain=True)
+    assert [len(frame.mined) for frame in read_frames(path)] == [0, 0]
+    assert mine(cast("Captioner", Proposing()), path) == 6
+    assert mined_path(path).exists()
+    frames = Shards(tmp_path).frames  # the mined file is no shard of its own
+    assert len(frames) == 2
+    for frame in frames:
+        # The first shows a thing, the second nothing, the third is part of what is hidden.
+        assert frame.mined_of.tolist() == [0, NOBODY, UNCLEAR]
