@@ -74,3 +74,15 @@ def test_a_thing_must_be_likely(hits: int, misses: int, counted: bool) -> None:
 
 def _odds(hits: int, misses: int) -> float:
     return float((0.6 / 0.02) ** hits * (0.4 / 0.98) ** misses / 9)
+
+
+@pytest.mark.parametrize(
+    ("longest_m", "doubt", "counted"),
+    [(0.3, 2.0, False), (0.9, 2.0, True), (0.9, 8.0, False), (0.9, 0.0, True)],
+)
+def test_an_erring_detector_may_overlook_furniture_more_often(
+    longest_m: float, doubt: float, *, counted: bool
+) -> None:
+    """Ten views of 25: enough for furniture, not for a cup; not where too few are certain."""
+    use = MapperSettings(min_certain_share=0.5, min_certain_share_furniture=0.35)
+    assert enough((10, 15), 100, use, doubt, longest_m=longest_m) is counted

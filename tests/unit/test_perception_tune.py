@@ -55,9 +55,9 @@ def outcome(room: str, true: int, found: int) -> Outcome:
 def test_each_kind_of_room_weighs_the_same_and_the_best_comes_first(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    good: tune.Key = ("fused", 0.5, 2.0, 0.25)
-    bad: tune.Key = ("fused", 0.7, 2.0, 0.25)
-    others: list[tune.Key] = [(name, 0.5, 2.0, 0.25) for name in ("votes", "single frames")]
+    good: tune.Key = ("fused", 0.5, 2.0, 0.25, 0.25)
+    bad: tune.Key = ("fused", 0.7, 2.0, 0.25, 0.25)
+    others: list[tune.Key] = [(name, 0.5, 2.0, 0.25, 0.25) for name in ("votes", "single frames")]
 
     def room(name: str, right: bool) -> tuple[str, dict[tune.Key, tune.Floats]]:
         one, two = tally(outcome(name, 2, 2)), tally(outcome(name, 2, 1))
@@ -69,7 +69,7 @@ def test_each_kind_of_room_weighs_the_same_and_the_best_comes_first(
     assert 0.0 < f1["kitchen"] < 1.0
     tune.print_best(rooms)
     lines = capsys.readouterr().out.splitlines()
-    assert lines[1].startswith("fused          0.50 2.0 0.25")
+    assert lines[1].startswith("fused          0.50 2.0 0.25 0.25")
     mean = np.mean(list(f1.values()))
     assert f"| {mean:.3f} all" in lines[1]
     assert sum(line.startswith("votes") for line in lines) == 2

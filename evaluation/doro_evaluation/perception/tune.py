@@ -42,13 +42,16 @@ from doro_schemas.messages import FrameCaptions, FrameGraphs
 LOWEST = 0.3
 SCORES = (0.3, 0.4, 0.45, 0.5, 0.55, 0.6, 0.65, 0.7)
 LEAST = {"fused": (1.5, 2.0, 2.5, 3.0, 4.0), "votes": (2, 3, 4, 5, 6)}
-SHARES = (0.25, 0.33, 0.4, 0.5)
+SHARES = (0.25, 0.33, 0.4, 0.5, 0.6)
+FURNITURE_SHARES = (0.25, 0.33, 0.4, 0.5)
+"""Of ``fused``; tried where it is at most the share of other things."""
 SURE = (0.6, 0.7, 0.8, 0.85, 0.9, 0.93, 0.95, 0.97, 0.98, 0.99)
 """Scores of single frames."""
 SHOWN = 12
 Floats = NDArray[np.float64]
-Key = tuple[str, float, float, float]
-"""Way, score, least certain views (others than ``fused``: views), least share of hits."""
+Key = tuple[str, float, float, float, float]
+"""Way, score, least certain views (others than ``fused``: views), least share of hits, and of
+furniture."""
 
 
 @dataclass(frozen=True)
@@ -88,20 +91,31 @@ def tallies(one: Seen, nlu: Nlu) -> dict[Key, Floats]:
     found: dict[Key, Floats] = {}
     truth = true_things(one.room)
     for name, way in WAYS.items():
-        least, shares = LEAST.get(name, (1,)), SHARES if name in LEAST else (0.0,)
+        least, shares = LEAST.get(name, (1,)), share_pairs(name)
         for score in SCORES if name in LEAST else SURE:
             said = taken(one.said, Way(score, way.mapper, way.distributions))
             things = _mapped(one.room, graphs(said, nlu), way.mapper)
-            for views, share in itertools.product(least, shares):
+            for views, (share, furniture) in itertools.product(least, shares):
                 use = MapperSettings(
                     min_hits=max(1, int(views)),
                     min_hit_share=share,
                     min_certain=views,
                     min_certain_share=share,
+                    min_certain_share_furniture=furniture,
                 )
                 counted = tuple(_thing(item) for item in things if _counts(item, one.room, use))
-                found[name, score, views, share] = tally(_outcome(one.room, truth, counted, name))
+                made = _outcome(one.room, truth, counted, name)
+                found[name, score, views, share, furniture] = tally(made)
     return found
+
+
+def share_pairs(way: str) -> list[tuple[float, float]]:
+    """Return the shares of hits that are tried of a way, and those of furniture."""
+    if way not in LEAST:
+        return [(0.0, 0.0)]
+    if way != "fused":
+        return [(share, share) for share in SHARES]
+    return [pair for pair in itertools.product(SHARES, FURNITURE_SHARES) if pair[1] <= pair[0]]
 
 
 def _mapped(room: Room, found: Sequence[FrameGraphs], mapper: MapperSettings) -> list[Found]:
@@ -114,7 +128,9 @@ def _mapped(room: Room, found: Sequence[FrameGraphs], mapper: MapperSettings) ->
 
 
 def _counts(item: Found, room: Room, use: MapperSettings) -> bool:
-    return enough((item.hits, item.misses), len(room.depths), use, item.votes.doubt)
+    longest_m = float((item.high_m - item.low_m).max())
+    counted, views = (item.hits, item.misses), len(room.depths)
+    return enough(counted, views, use, item.votes.doubt, longest_m=longest_m)
 
 
 def _thing(item: Found) -> Thing:
@@ -163,9 +179,8 @@ def print_best(rooms: Sequence[tuple[str, dict[Key, Floats]]]) -> None:
             pooled = summary(sum((own[key] for _, own in rooms), np.zeros(1)))
             more = f"all {pooled['average/f1']:.3f} placed {pooled['matched_f1_0.5m']:.3f}"
             shown = " ".join(f"{value:.3f}" for value in each)
-            print(
-                f"{system:14s} {key[1]:.2f} {key[2]:.1f} {key[3]:.2f} | {shown} | {mean:.3f} {more}"
-            )
+            setting = f"{key[1]:.2f} {key[2]:.1f} {key[3]:.2f} {key[4]:.2f}"
+            print(f"{system:14s} {setting} | {shown} | {mean:.3f} {more}")
         print_left_out(rooms, system, table)
 
 

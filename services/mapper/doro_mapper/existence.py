@@ -11,6 +11,8 @@ DETECTED, FALSE = 0.6, 0.02
 PRIOR = math.log(9.0)
 """Of ten tracks that a detector opens, one is a thing."""
 LEAST_PROBABILITY = 0.8
+FURNITURE_M = 0.6
+"""Things with a longer side are seen in part more often than whole."""
 LEAST_CERTAIN = 0.5
 GONE_MISSES = 10
 GONE_CHANCE = 1e-8
@@ -30,7 +32,9 @@ def enough(
     views: int,
     settings: MapperSettings,
     doubt: float = 0.0,
+    *,
     singles: bool = False,
+    longest_m: float = 0.0,
 ) -> bool:
     """Tell whether hits against misses make an instance (study, point 7).
 
@@ -39,12 +43,15 @@ def enough(
         views: frames merged so far.
         doubt: how many of the hits are wrong by the detector's own calibrated scores.
         singles: what one view saw, and no other should have seen, is believed.
+        longest_m: side of its box. Detectors that err overlook furniture that is seen in part.
     """
     hits, misses = counted
     certain = hits - doubt
     least, share = float(settings.min_hits), settings.min_hit_share
     if doubt > 0:
         least, share = settings.min_certain, settings.min_certain_share
+        if longest_m >= FURNITURE_M:
+            share = settings.min_certain_share_furniture
     if hits < share * (hits + misses):
         return False
     if certain >= least:

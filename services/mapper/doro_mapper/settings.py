@@ -58,6 +58,7 @@ class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
         min_hit_share: least hits / (hits + misses) of an instance.
         min_certain, min_certain_share: the same two for what a detector with calibrated scores
             reports; each view counts by its score.
+        min_certain_share_furniture: the share for what is longer than 0.6 m.
         few_views: below so many frames one view without a miss makes an instance.
         max_evidence: views listed per instance.
         relation_share: share of its views in which a captioned relation must occur.
@@ -91,6 +92,7 @@ class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
     min_hit_share: float = 0.25
     min_certain: float = 2.5
     min_certain_share: float = 0.5
+    min_certain_share_furniture: float = 0.5
     few_views: int = 40
     max_evidence: int = 5
     relation_share: float = 0.3

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from doro_mapper.boxes import covered
-from doro_mapper.tracks.items import FURNITURE_M, Item
+from doro_mapper.existence import FURNITURE_M
+from doro_mapper.tracks.items import Item
 from doro_mapper.tracks.table import Ints, TrackTable
 from doro_mapper.views import Bools, Floats, Views
 
@@ -78,7 +79,7 @@ class Explanations:
         cover, ratio, shows = self._projected(own[view], low[which], high[which], slots[view])
         fits: Bools = np.zeros(free.shape, dtype=bool)
         alike = (cover >= PRUNE_COVER) & (ratio < PRUNE_RATIO)
-        if float((item.outer_high_m - item.outer_low_m).max()) >= FURNITURE_M:
+        if item.longest_m >= FURNITURE_M:
             alike |= (cover >= PART_COVER) & (ratio > 1) & (ratio < PART_RATIO)
         fits[free] = shows & alike
         read = fits.any(axis=1)

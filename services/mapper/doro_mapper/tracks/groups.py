@@ -245,8 +245,9 @@ class Groups:
         return int(seen.sum()) + older, misses
 
     def _enough(self, group: Group, counted: tuple[int, int]) -> bool:
-        doubt = sum(self._votes[row].doubt for row in group.item.rows)
-        return enough(counted, self._views.total, self._settings, doubt, self._singles.trusted)
+        item, sure, views = group.item, self._singles.trusted, self._views.total
+        doubt = sum(self._votes[row].doubt for row in item.rows)
+        return enough(counted, views, self._settings, doubt, singles=sure, longest_m=item.longest_m)
 
     def _number(self) -> None:
         """Give ids to things that now count as instances, in order of their first track."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from doro_mapper.boxes import Boxes, distance
+from doro_mapper.existence import FURNITURE_M
 from doro_mapper.finder import Look, attributes_agree, graph_factor, names_agree
 from doro_mapper.tracks.table import TrackTable
 from doro_mapper.views import Bools, Floats
@@ -16,8 +17,6 @@ from doro_mapper.votes import Votes
 MERGE_RANGE_M = 1.5
 """Range assumed for the margin between two tracks."""
 PRUNE_REACH_M = 0.5
-FURNITURE_M = 0.6
-"""Things with a longer side are seen in part more often than whole."""
 ABOVE_GAP_M = 0.15
 TALLEST_M = 1.4
 CORNER_GAP_M, CORNER_GAP_SHARE = 0.3, 0.35
@@ -48,6 +47,11 @@ class Item:
     outer_low_m: Floats
     outer_high_m: Floats
     spread_m2: Floats
+
+    @property
+    def longest_m(self) -> float:
+        """Its longest side."""
+        return float((self.outer_high_m - self.outer_low_m).max())
 
     @property
     def shape(self) -> Shape:

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from doro_mapper.existence import FURNITURE_M
 from doro_mapper.finder import NEVER, names_agree
 from doro_mapper.robust import robust_geometry
 from doro_mapper.tracks.explained import Explanations
 from doro_mapper.tracks.items import (
     CORNER_GAP_M,
     CORNER_GAP_SHARE,
-    FURNITURE_M,
     Item,
     Shape,
     agree,
