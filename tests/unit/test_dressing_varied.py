@@ -11,6 +11,8 @@ from doro_evaluation.dressing.frames import write_shard
 from doro_evaluation.dressing.labels import Labels
 from doro_evaluation.dressing.varied import varied, varied_scene
 from doro_perception.captioner import Candidates, Captioner
+from doro_perception.classes import CLASSES, MATERIALS
+from doro_perception.train.calibrate import material_prior
 from doro_perception.train.mine import mine
 from doro_perception.train.shards import NOBODY, UNCLEAR, Shards, mined_path, read_frames
 from doro_sim_feeder.rooms.layout import load_layout
@@ -75,3 +77,21 @@ def test_what_is_mined_tells_things_from_nothing(tmp_path: Path) -> None:
     for frame in frames:
         # The first shows a thing, the second nothing, the third is part of what is hidden.
         assert frame.mined_of.tolist() == [0, NOBODY, UNCLEAR]
+
+
+def test_only_rooms_as_they_are_tell_what_is_made_of_what(tmp_path: Path) -> None:
+    cup, glass, metal = CLASSES.index("Cup"), MATERIALS.index("glass"), MATERIALS.index("metal")
+    image = np.zeros((64, 64, 3), np.uint8)
+    for number, (material, varied_) in enumerate(((glass, False), (metal, True), (metal, True))):
+        labels = Labels(
+            box=np.array([[5, 5, 30, 30]], np.float32),
+            kind=np.array([cup], np.int16),
+            colour=np.array([-1], np.int8),
+            material=np.array([material], np.int8),
+            ignore=np.zeros(1, np.bool_),
+            copy=np.zeros(1, np.bool_),
+        )
+        path = tmp_path / f"train-FloorPlan304-{number}.npz"
+        write_shard(path, iter([(image, labels)]), plain=True, varied=varied_)
+    share = material_prior(Shards(tmp_path))[cup]
+    assert share[glass] > 0.5 > 0.1 > share[metal]

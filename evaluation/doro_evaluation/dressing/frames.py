@@ -6,7 +6,8 @@ A shard is one npz file with the frames of one dressed room:
 ``frame`` int32, ``box`` float32 (n, 4) edges in pixels, ``kind`` int16 (index into CLASSES,
 UNNAMED_KIND for a thing without a name, -1 for a thing that is neither taught nor forbidden),
 ``colour``, ``material`` int8 (-1: unknown), ``ignore`` bool (too small or hidden), ``copy`` bool.
-``plain`` bool (): rendered as the evaluation renders, not dressed anew.
+``plain`` bool (): rendered as the evaluation renders, not dressed anew; ``varied`` bool (): with
+other furniture, so that what is made of what says nothing of rooms.
 """
 
 from __future__ import annotations
@@ -158,7 +159,11 @@ def frames_of(
 
 
 def write_shard(
-    path: Path, frames: Iterator[tuple[NDArray[np.uint8], Labels]], *, plain: bool = False
+    path: Path,
+    frames: Iterator[tuple[NDArray[np.uint8], Labels]],
+    *,
+    plain: bool = False,
+    varied: bool = False,
 ) -> int:
     """Write a shard; return how many frames have something to learn from."""
     data, ends, rows = [], [], []
@@ -184,6 +189,7 @@ def write_shard(
         ends=np.cumsum(ends),
         frame=np.repeat(np.arange(len(rows), dtype=np.int32), counts),
         plain=np.array(plain),
+        varied=np.array(varied),
         **columns,
     )
     partial.rename(path)
@@ -234,7 +240,12 @@ def main() -> None:
             )
             signal.setitimer(signal.ITIMER_VIRTUAL, arguments.most_s)
             try:
-                count = write_shard(path, frames, plain=arguments.plain or arguments.vary)
+                count = write_shard(
+                    path,
+                    frames,
+                    plain=arguments.plain or arguments.vary,
+                    varied=arguments.vary,
+                )
             except (ValueError, TimeoutError) as error:
                 print(f"{room} seed {seed}: left out, {error}", file=sys.stderr)
                 continue

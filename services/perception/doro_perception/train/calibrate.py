@@ -34,11 +34,11 @@ Floats = NDArray[np.float64]
 def material_prior(shards: Shards) -> tuple[tuple[float, ...], ...]:
     """Return how often a thing of each class is of each material in the training frames.
 
-    Frames dressed anew have materials at random and say nothing of that: where there are plain
-    ones, only those count.
+    Frames dressed anew or with varied furniture have materials at random and say nothing of that:
+    where there are others, only those count.
     """
     counts = np.full((len(CLASSES), len(MATERIALS)), PRIOR_COUNT / len(MATERIALS))
-    plain = [frame for frame in shards.frames if frame.plain]
+    plain = [frame for frame in shards.frames if frame.plain and not frame.varied]
     for frame in plain or shards.frames:
         known = (frame.kind >= 0) & (frame.kind < len(CLASSES)) & (frame.material >= 0)
         np.add.at(counts, (frame.kind[known], frame.material[known]), 1.0)

@@ -26,7 +26,7 @@ class Frame:
     """One labelled frame; columns as in the shard.
 
     Attributes:
-        plain: as the evaluation renders.
+        plain: as the evaluation renders; varied: with other furniture than the room has.
         mined: what a proposer takes for things, (n, 4) px; empty where nobody looked.
         mined_of: the row of ``box`` that a proposal shows, or one of ``NOBODY``, ``UNCLEAR``.
     """
@@ -38,6 +38,7 @@ class Frame:
     material: NDArray[np.int8]
     ignore: NDArray[np.bool_]
     plain: bool = False
+    varied: bool = False
     mined: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 4), np.float32))
     mined_of: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
     decoded: list[Image] = field(default_factory=list, compare=False)
@@ -87,6 +88,7 @@ def read_frames(path: Path) -> list[Frame]:
             jpeg=columns["jpeg"][starts[k] : starts[k + 1]].copy(),
             **{name: columns[name][edges[k] : edges[k + 1]] for name in names},
             plain=bool(columns.get("plain", False)),
+            varied=bool(columns.get("varied", False)),
         )
         for k in range(len(starts) - 1)
     ]
