@@ -66,14 +66,12 @@ class Way:
     distributions: bool = False
 
 
-UNVOTED = MapperSettings(
-    min_hits=1, min_hit_share=0.0, fuse_names=False, without=("voting", "observability")
-)
+UNVOTED = MapperSettings(min_hits=1, min_hit_share=0.0, without=("voting", "observability"))
 """One view is enough, names the thing, and nothing that another view says or misses counts."""
 WAYS = {
     "fused": Way(PerceptionSettings().captioner_threshold, MapperSettings(), distributions=True),
-    "votes": Way(0.6, MapperSettings(min_hits=3, min_hit_share=0.4, fuse_names=False)),
-    "single frames": Way(0.85, UNVOTED),
+    "votes": Way(0.65, MapperSettings(min_hits=3, min_hit_share=0.33)),
+    "single frames": Way(0.9, UNVOTED),
 }
 """``fused``: as shipped. ``votes``: the likeliest name of each view, and the map lets views vote.
 ``single frames``: the likeliest name of one view. Each with its own best thresholds on the rooms of

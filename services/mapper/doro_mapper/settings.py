@@ -78,7 +78,7 @@ class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
     samples: int = 24
     min_box_px: float = 3.0
     duplicate_iou: float = 0.7
-    fuse_names: bool = True
+    fuse_names: bool = False
     max_depth_m: float = 20.0
     max_pending_frames: int = 64
     max_views: int = 1024
@@ -90,9 +90,9 @@ class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
     literal_index: Literal["id", "rank"] = "id"
     min_hits: int = 2
     min_hit_share: float = 0.25
-    min_certain: float = 2.5
-    min_certain_share: float = 0.5
-    min_certain_share_furniture: float = 0.5
+    min_certain: float = 2.0
+    min_certain_share: float = 0.33
+    min_certain_share_furniture: float = 0.25
     few_views: int = 40
     max_evidence: int = 5
     relation_share: float = 0.3
