@@ -90,7 +90,7 @@ def draw(steps: Sequence[Step], path: Path = PICTURE) -> None:
         axes.plot(numbers, [getattr(step, name) for step in steps], marker="o", markersize=3)
         axes.set_title(title, fontsize="small")
         axes.set_ylim(0, 1)
-        axes.set_xticks(list(numbers))
+        axes.set_xticks(list(numbers)[::2])
         axes.set_xlabel("row of the table", fontsize="small")
     figure.tight_layout()
     figure.savefig(path, metadata={"Software": ""})
