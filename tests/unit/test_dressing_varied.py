@@ -6,7 +6,9 @@ from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
+import pytest
 
+from doro_evaluation.dressing import copied
 from doro_evaluation.dressing.frames import write_shard
 from doro_evaluation.dressing.labels import Labels
 from doro_evaluation.dressing.varied import varied, varied_scene
@@ -15,7 +17,9 @@ from doro_perception.classes import CLASSES, MATERIALS
 from doro_perception.train.calibrate import material_prior
 from doro_perception.train.mine import mine
 from doro_perception.train.shards import NOBODY, UNCLEAR, Shards, mined_path, read_frames
-from doro_sim_feeder.rooms.layout import load_layout
+from doro_sim_feeder.rooms.copies import CopySpec
+from doro_sim_feeder.rooms.layout import load_layout, sizes_of_type
+from doro_sim_feeder.rooms.placement import Spawned
 from doro_sim_feeder.rooms.scene import Scene, build_scene
 
 ROOM = "FloorPlan304"
@@ -96,3 +100,44 @@ def test_only_rooms_as_they_are_tell_what_is_made_of_what(tmp_path: Path) -> Non
     share = material_prior(Shards(tmp_path))[cup]
     assert share[glass] > 0.5
     assert share[metal] < 0.1
+
+
+def test_other_sizes_find_room_and_leave_what_carries_as_high_as_it_is() -> None:
+    layout = load_layout(ROOM)
+    own = {item.object_id: item for item in layout.objects}
+    carrying = {name for item in layout.objects for name in item.receptacles}
+    changed = 0
+    for seed in range(8):
+        for item in varied(layout, np.random.default_rng(seed)).objects:
+            before = own[item.object_id]
+            if item.asset_size_m == before.asset_size_m:
+                continue
+            changed += 1
+            assert item.asset_size_m is not None
+            assert before.asset_size_m is not None
+            assert item.low_m[1] == before.low_m[1]
+            assert item.asset_size_m[0] <= 1.11 * before.asset_size_m[0]
+            assert item.asset_size_m[1] <= 0.21 + before.asset_size_m[1]
+            if item.object_id in carrying:
+                assert item.asset_size_m[1] == before.asset_size_m[1]
+    assert changed > 10
+
+
+def test_what_deceives_is_put_into_varied_rooms(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[tuple[str, Any]] = []
+
+    def placed(scene: Scene, spec: CopySpec, seed: int, size_m: Any) -> Spawned:
+        asked.append((spec.object_type, size_m))
+        return Spawned(scene, ())
+
+    monkeypatch.setattr(copied, "place_copies", placed)
+    scene = cast("Scene", None)
+    for seed in range(4):
+        copied.with_varied_copies(scene, np.random.default_rng(seed))
+    names = {name for name, _ in asked}
+    assert names & set(copied.DECEIVING_FLOOR)
+    assert names & set(copied.DECEIVING)
+    assert names & copied.FLOOR
+    sizes = [size_m for name, size_m in asked if size_m is not None]
+    assert 0 < len(sizes) < len(asked)
+    assert all(size_m in sizes_of_type(name) for name, size_m in asked if size_m is not None)

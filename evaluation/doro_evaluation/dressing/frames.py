@@ -25,6 +25,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from doro_evaluation.dressing.copied import with_copies, with_varied_copies
 from doro_evaluation.dressing.dress import dressed
 from doro_evaluation.dressing.labels import TAUGHT, Labels, label
 from doro_evaluation.dressing.meshes.libraries import MoreMeshes
@@ -32,13 +33,11 @@ from doro_evaluation.dressing.scatter import held, scattered
 from doro_evaluation.dressing.varied import varied_scene
 from doro_evaluation.dressing.views import Views, bloomed, room_light
 from doro_sim_feeder.rooms.camera import Camera
-from doro_sim_feeder.rooms.copies import CopySpec
 from doro_sim_feeder.rooms.evaluation_set import plan_set
 from doro_sim_feeder.rooms.exploration import plan_views
 from doro_sim_feeder.rooms.gl import GlRenderer
 from doro_sim_feeder.rooms.layout import room_names
 from doro_sim_feeder.rooms.lighting import ceiling_lighting
-from doro_sim_feeder.rooms.placement import place_copies
 from doro_sim_feeder.rooms.raycast import make_soup
 from doro_sim_feeder.rooms.scene import Scene, build_scene
 
@@ -47,17 +46,6 @@ HELD_OUT = (306, 4, 224, 204, 16, 325, 216, 19, 23, 213, 314, 405, 420)
 """Numbers of the rooms that only measure, of all kinds from the first on; 19 is the sample's."""
 CALIBRATION = (14, 211, 317, 411)
 """Numbers of the rooms that thresholds and calibration are fitted to."""
-COPIED = (
-    "Cup", "Mug", "Bowl", "Plate", "Bottle", "Apple", "Vase", "Book", "CellPhone",
-    "RemoteControl", "Statue", "Laptop", "Pillow", "Box", "DeskLamp", "HousePlant", "Stool",
-    "Chair", "SideTable", "ArmChair", "Sofa",
-)  # fmt: skip
-ALSO_COPIED = (
-    "Kettle", "Pan", "Pot", "WineBottle", "Bread", "Toaster", "AlarmClock", "Watch",
-    "TeddyBear", "SoapBottle", "SprayBottle", "TissueBox", "Newspaper", "FloorLamp",
-    "GarbageCan", "CoffeeTable", "Safe", "CoffeeMachine", "BasketBall", "Tomato",
-)  # fmt: skip
-FLOOR = frozenset({"Stool", "Chair", "SideTable", "ArmChair", "Sofa", "FloorLamp", "GarbageCan"})
 SIZE_PX = 384
 CLOSE_SHARE = 0.3
 
@@ -73,26 +61,6 @@ def rooms_of(part: str) -> list[str]:
     # A third of the bathrooms: little of what the evaluation asks for stands there.
     number_of = {name: int(name.removeprefix("FloorPlan")) for name in rooms}
     return [name for name in rooms if number_of[name] < 401 or number_of[name] % 3 == 0]
-
-
-def with_copies(scene: Scene, rng: np.random.Generator, kinds: int, floor: int = 2) -> Scene:
-    """Return the room with two to four copies each of several classes, where they fit.
-
-    Args:
-        kinds: how many classes, ``floor`` of them such as stand on the floor.
-    """
-    small = [name for name in COPIED if name not in FLOOR]
-    also = [name for name in ALSO_COPIED if name not in FLOOR]
-    large = sorted(FLOOR)
-    count = max(kinds - floor, 1)
-    chosen = [str(name) for name in rng.permutation(small)[: count * 2 // 3 + 1]]
-    chosen += [str(name) for name in rng.permutation(also)[: count // 3]]
-    chosen += [str(name) for name in rng.permutation(large)[:floor]]
-    for name in chosen:
-        number = int(rng.integers(1, 3)) if name in FLOOR else int(rng.integers(2, 5))
-        spec = CopySpec(name, number, arrange="mixed")
-        scene = place_copies(scene, spec, int(rng.integers(1 << 30))).scene
-    return scene
 
 
 def _furnished(scene: Scene, rng: np.random.Generator, meshes: MoreMeshes | None) -> Scene:
@@ -130,7 +98,7 @@ def frames_of(
     if dress:
         scene = _furnished(_scene(room), rng, meshes)
     elif vary:
-        scene = with_copies(varied_scene(room, rng), rng, 8, floor=int(rng.integers(1, 5)))
+        scene = with_varied_copies(varied_scene(room, rng), rng)
     else:
         scene = with_copies(_scene(room), rng, 6)
     pairs = [(k, item.parts) for k, item in enumerate(scene.instances, start=1)]

@@ -2,7 +2,7 @@
 
 A layout's colours, meshes and materials follow from its names, so that plain frames of a room show
 the same sofa in every seed, and a net learns that sofa by heart. Here names are salted, some
-things are taken out, and others are made of another material of their class.
+things are taken out, and others are made of another material, or have another size, of their class.
 """
 
 from __future__ import annotations
@@ -13,23 +13,31 @@ import msgspec
 import numpy as np
 
 from doro_sim_feeder.rooms.appearance import COPY_MATERIALS
-from doro_sim_feeder.rooms.layout import LayoutObject, RoomLayout, load_layout
+from doro_sim_feeder.rooms.layout import LayoutObject, RoomLayout, load_layout, sizes_of_type
+from doro_sim_feeder.rooms.parts import yaw_matrix
 from doro_sim_feeder.rooms.scene import Scene, build_layout
 
-TAKEN_SHARE, OTHER_MATERIAL_SHARE = 0.25, 0.5
+TAKEN_SHARE, OTHER_MATERIAL_SHARE, OTHER_SIZE_SHARE = 0.25, 0.5, 0.6
+WIDER, HIGHER_M = 1.1, 0.2
+"""Another size may be so much wider than the own, and so much higher: it has to find room."""
+LEVEL_DEG = 5.0
 
 
 def varied(layout: RoomLayout, rng: np.random.Generator) -> RoomLayout:
     """Return the layout under another name, with other looks and some things less."""
     salt = f"~{int(rng.integers(1 << 30))}"
+    carrying = {name for item in layout.objects for name in item.receptacles}
     kept = []
     for item in layout.objects:
         loose = item.moveable or item.pickupable
         if loose and rng.random() < TAKEN_SHARE:
             continue
         own = item.asset_id or item.object_id
+        other = item
+        if loose and rng.random() < OTHER_SIZE_SHARE:
+            other = _resized(item, HIGHER_M * (item.object_id not in carrying), rng)
         kept.append(
-            msgspec.structs.replace(item, asset_id=own + salt, materials=_materials(item, rng))
+            msgspec.structs.replace(other, asset_id=own + salt, materials=_materials(item, rng))
         )
     return msgspec.structs.replace(layout, name=layout.name + salt, objects=tuple(kept))
 
@@ -39,6 +47,37 @@ def _materials(item: LayoutObject, rng: np.random.Generator) -> tuple[str, ...]:
     if choice and rng.random() < OTHER_MATERIAL_SHARE:
         return (choice[int(rng.integers(len(choice)))],)
     return item.materials
+
+
+def _resized(item: LayoutObject, higher_m: float, rng: np.random.Generator) -> LayoutObject:
+    """Return a thing that stands upright in the size of another asset of its class.
+
+    Args:
+        higher_m: how much higher it may be; 0: something stands on it, it stays as high as it is.
+    """
+    own = item.asset_size_m
+    tilt = max(
+        abs((angle + 180) % 360 - 180) for angle in (item.rotation_deg[0], item.rotation_deg[2])
+    )
+    if own is None or tilt > LEVEL_DEG:
+        return item
+    fit = [
+        size
+        for size in sizes_of_type(item.object_type)
+        if size[0] <= own[0] * WIDER
+        and size[2] <= own[2] * WIDER
+        and (size[1] <= own[1] + higher_m or not higher_m)
+    ]
+    if not higher_m:
+        fit = [(size[0], own[1], size[2]) for size in fit]
+    if not fit:
+        return item
+    size = fit[int(rng.integers(len(fit)))]
+    half = np.abs(yaw_matrix(item.rotation_deg[1])) @ np.asarray(size) / 2
+    x, z = ((item.low_m[k] + item.high_m[k]) / 2 for k in (0, 2))
+    low = (x - float(half[0]), item.low_m[1], z - float(half[2]))
+    high = (x + float(half[0]), item.low_m[1] + size[1], z + float(half[2]))
+    return msgspec.structs.replace(item, low_m=low, high_m=high, asset_size_m=size)
 
 
 def varied_scene(room: str, rng: np.random.Generator) -> Scene:

@@ -42,7 +42,7 @@ FEW_CELLS = 3
 PASSABLE_SHARE = 0.7
 ON_FLOOR = frozenset(
     """Chair Stool ArmChair Sofa FloorLamp SideTable CoffeeTable DiningTable Desk HousePlant Box
-    GarbageCan TVStand Dresser LaundryHamper""".split()  # noqa: SIM905
+    GarbageCan GarbageBag TVStand Dresser LaundryHamper DogBed Ottoman""".split()  # noqa: SIM905
 )
 
 
@@ -230,17 +230,20 @@ class _Spawner:
         )
 
 
-def place_copies(scene: Scene, spec: CopySpec, seed: int) -> Spawned:
+def place_copies(scene: Scene, spec: CopySpec, seed: int, size_m: Vector | None = None) -> Spawned:
     """Return the scene with copies where they found a place, and the others by name.
 
     Every copy rests on what is below it (:mod:`contact` measures it) and can be seen from
     several cells. One scene, specification and seed give the same result.
 
+    Args:
+        size_m: of the copies, in their own axes; None: of the room's first thing of the class.
+
     Raises:
         Refused: the class is unknown.
     """
     rng = np.random.default_rng([seed, stable_number(f"{scene.name}|{spec.object_type}")])
-    size = _size_of(scene, spec.object_type)
+    size = size_m or _size_of(scene, spec.object_type)
     spawner = _Spawner(scene, rng, size, scene.caster(), scene.cells)
     missing = [spawner.spawn(wish, k) for k, wish in enumerate(wishes(spec, rng))]
     return Spawned(
