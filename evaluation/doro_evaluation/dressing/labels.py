@@ -25,7 +25,7 @@ TAUGHT["Poster"] = TAUGHT["Painting"]
 
 @dataclass(frozen=True)
 class Labels:
-    """The boxes of one picture; see the module's text for the columns."""
+    """The boxes of one picture, in the columns of a shard (``frames.py``)."""
 
     box: NDArray[np.float32]
     kind: NDArray[np.int16]
