@@ -9,18 +9,21 @@ import numpy as np
 import pytest
 
 from doro_evaluation.dressing import copied
-from doro_evaluation.dressing.frames import write_shard
+from doro_evaluation.dressing.frames import number_of, rooms_of, write_shard
 from doro_evaluation.dressing.labels import Labels
-from doro_evaluation.dressing.varied import varied, varied_scene
+from doro_evaluation.dressing.varied import LEAST_LONG_M, stretch, varied, varied_scene
+from doro_evaluation.dressing.views import Views
 from doro_perception.captioner import Candidates, Captioner
 from doro_perception.classes import CLASSES, MATERIALS
 from doro_perception.train.calibrate import material_prior
 from doro_perception.train.mine import mine
 from doro_perception.train.shards import NOBODY, UNCLEAR, Shards, mined_path, read_frames
 from doro_sim_feeder.rooms.copies import CopySpec
-from doro_sim_feeder.rooms.layout import load_layout, sizes_of_type
+from doro_sim_feeder.rooms.evaluation_set import plan_set
+from doro_sim_feeder.rooms.exploration import plan_views
+from doro_sim_feeder.rooms.layout import apartment_names, load_layout, sizes_of_type
 from doro_sim_feeder.rooms.placement import Spawned
-from doro_sim_feeder.rooms.scene import Scene, build_scene
+from doro_sim_feeder.rooms.scene import Scene, build_layout, build_scene
 
 ROOM = "FloorPlan304"
 
@@ -141,3 +144,40 @@ def test_what_deceives_is_put_into_varied_rooms(monkeypatch: pytest.MonkeyPatch)
     sizes = [size_m for name, size_m in asked if size_m is not None]
     assert 0 < len(sizes) < len(asked)
     assert all(size_m in sizes_of_type(name) for name, size_m in asked if size_m is not None)
+
+
+def test_apartments_train_and_never_measure() -> None:
+    apartments = set(apartment_names())
+    assert len(apartments) == 75
+    assert apartments <= set(rooms_of("train"))
+    assert not apartments & {row.room for row in plan_set()}
+    assert not apartments & {*rooms_of("calibration"), *rooms_of("held-out")}
+    assert len({number_of(room) for room in rooms_of("train")}) == len(rooms_of("train"))
+
+
+def test_a_stretch_of_an_apartment_is_a_room_of_its_own_length() -> None:
+    layout = load_layout("RoboTHOR11")
+    sizes = set()
+    for seed in range(6):
+        part = stretch(layout, np.random.default_rng(seed))
+        long_m = max(item.high_m[0] for item in part.objects) - min(
+            item.low_m[0] for item in part.objects
+        )
+        assert {item.object_id for item in part.objects} <= {i.object_id for i in layout.objects}
+        sizes.add(len(part.objects))
+        assert long_m <= 9
+        assert build_layout(part).cells.shape[1] == 2
+    assert len(sizes) > 3
+    assert min(sizes) < len(layout.objects)
+    assert LEAST_LONG_M > 3
+
+
+def test_recorded_views_with_more_in_them_are_taken() -> None:
+    scene = build_scene(ROOM)
+    views = plan_views(scene.cells, None, 1)
+    rich = Views(scene, views, frozenset({"Book", "Pillow", "Laptop"}))
+    rng = np.random.default_rng(2)
+    taken = [rich.rich_as_recorded(rng) for _ in range(40)]
+    assert all(view in views for view in taken)
+    usual = [views[int(number)] for number in rng.integers(len(views), size=40)]
+    assert sum(map(rich.worth, taken)) > sum(map(rich.worth, usual))

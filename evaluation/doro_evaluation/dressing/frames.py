@@ -36,18 +36,19 @@ from doro_sim_feeder.rooms.camera import Camera
 from doro_sim_feeder.rooms.evaluation_set import plan_set
 from doro_sim_feeder.rooms.exploration import plan_views
 from doro_sim_feeder.rooms.gl import GlRenderer
-from doro_sim_feeder.rooms.layout import room_names
+from doro_sim_feeder.rooms.layout import apartment_names, room_names
 from doro_sim_feeder.rooms.lighting import ceiling_lighting
 from doro_sim_feeder.rooms.raycast import make_soup
 from doro_sim_feeder.rooms.scene import Scene, build_scene
 
-KINDS = ("kitchens", "living_rooms", "bedrooms", "bathrooms")
+KINDS = ("kitchens", "living_rooms", "bedrooms", "bathrooms", "apartments")
 HELD_OUT = (306, 4, 224, 204, 16, 325, 216, 19, 23, 213, 314, 405, 420)
 """Numbers of the rooms that only measure, of all kinds from the first on; 19 is the sample's."""
 CALIBRATION = (14, 211, 317, 411)
 """Numbers of the rooms that thresholds and calibration are fitted to."""
+APARTMENT = 1000
 SIZE_PX = 384
-CLOSE_SHARE = 0.3
+CLOSE_SHARE, RICH_SHARE = 0.3, 0.75
 
 
 def rooms_of(part: str) -> list[str]:
@@ -57,10 +58,22 @@ def rooms_of(part: str) -> list[str]:
     if part in numbers:
         return [f"FloorPlan{number}" for number in numbers[part]]
     apart = measured | {f"FloorPlan{number}" for number in (*CALIBRATION, *HELD_OUT)}
-    rooms = [name for kind in KINDS for name in room_names(kind) if name not in apart]
+    rooms = [name for kind in KINDS for name in _names_of(kind) if name not in apart]
     # A third of the bathrooms: little of what the evaluation asks for stands there.
-    number_of = {name: int(name.removeprefix("FloorPlan")) for name in rooms}
-    return [name for name in rooms if number_of[name] < 401 or number_of[name] % 3 == 0]
+    return [
+        name for name in rooms if not 400 < number_of(name) < APARTMENT or number_of(name) % 3 == 0
+    ]
+
+
+def _names_of(kind: str) -> list[str]:
+    return apartment_names() if kind == "apartments" else room_names(kind)
+
+
+def number_of(room: str) -> int:
+    """Return the number of an iTHOR room, or a thousand and that of a RoboTHOR apartment."""
+    if room.startswith("RoboTHOR"):
+        return APARTMENT + int(room.removeprefix("RoboTHOR"))
+    return int(room.removeprefix("FloorPlan"))
 
 
 def _furnished(scene: Scene, rng: np.random.Generator, meshes: MoreMeshes | None) -> Scene:
@@ -93,8 +106,7 @@ def frames_of(
         vary: these with other furniture (``varied.py``) and more of it.
         meshes: more models to dress with.
     """
-    number = int(room.removeprefix("FloorPlan"))
-    rng = np.random.default_rng([seed, number, int(dress)])
+    rng = np.random.default_rng([seed, number_of(room), int(dress)])
     if dress:
         scene = _furnished(_scene(room), rng, meshes)
     elif vary:
@@ -120,6 +132,8 @@ def frames_of(
                 renderer.camera = Camera(SIZE_PX, field)
                 if k % 4 == 3:
                     renderer.light(room_light(scene.room, rng))
+            elif vary and rng.random() < RICH_SHARE:
+                view = rich.rich_as_recorded(rng)
             picture = renderer.take(view.pose())
             if picture.color is not None:
                 color = bloomed(picture.color, rng) if dress else picture.color
@@ -190,7 +204,7 @@ def main() -> None:
     meshes = MoreMeshes(arguments.meshes) if arguments.meshes else None
     first, step = (int(word) for word in arguments.share.split("/"))
     for seed in arguments.seeds:
-        named = [name for kind in arguments.kinds for name in room_names(kind)]
+        named = [name for kind in arguments.kinds for name in _names_of(kind)]
         rooms = [str(r) for r in np.random.default_rng(seed).permutation(rooms_of(arguments.part))]
         rooms = [room for room in rooms if room in named]
         for room in rooms[first::step]:

@@ -21,6 +21,8 @@ TAKEN_SHARE, OTHER_MATERIAL_SHARE, OTHER_SIZE_SHARE = 0.25, 0.5, 0.6
 WIDER, HIGHER_M = 1.1, 0.2
 """Another size may be so much wider than the own, and so much higher: it has to find room."""
 LEVEL_DEG = 5.0
+LEAST_LONG_M = 3.5
+"""So long a stretch of an apartment at least is one room."""
 
 
 def varied(layout: RoomLayout, rng: np.random.Generator) -> RoomLayout:
@@ -80,6 +82,26 @@ def _resized(item: LayoutObject, higher_m: float, rng: np.random.Generator) -> L
     return msgspec.structs.replace(item, low_m=low, high_m=high, asset_size_m=size)
 
 
+def stretch(layout: RoomLayout, rng: np.random.Generator) -> RoomLayout:
+    """Return a part of an apartment as a room: what stands between two x, the ends at random.
+
+    An apartment's inner walls are not recorded, and nobody sees all of it at once.
+    """
+    low = min(item.low_m[0] for item in layout.objects)
+    high = max(item.high_m[0] for item in layout.objects)
+    long_m = float(rng.uniform(LEAST_LONG_M, max(high - low, LEAST_LONG_M)))
+    start = float(rng.uniform(low, max(high - long_m, low)))
+    inside = tuple(
+        item
+        for item in layout.objects
+        if item.low_m[0] >= start and item.high_m[0] <= start + long_m
+    )
+    return msgspec.structs.replace(layout, objects=inside)
+
+
 def varied_scene(room: str, rng: np.random.Generator) -> Scene:
-    """Return a room of other furniture."""
-    return replace(build_layout(varied(load_layout(room), rng)), name=room)
+    """Return a room of other furniture; of an apartment a part."""
+    layout = load_layout(room)
+    if layout.kind == "apartments":
+        layout = stretch(layout, rng)
+    return replace(build_layout(varied(layout, rng)), name=room)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -39,21 +41,30 @@ class Views:
 
     def rich(self, rng: Rng) -> View:
         """Return the one of several random views that has most small things before it."""
-        best: tuple[float, View] | None = None
-        for _ in range(CANDIDATE_VIEWS):
-            start = self._views[int(rng.integers(len(self._views)))]
-            turned = random_view(start, int(rng.integers(1 << 30)))
-            view = View(turned.position_m, turned.yaw_deg, int(rng.integers(*HORIZON_DEG)))
-            pose = view.pose()
-            at = (self._middles - np.asarray(pose.position_m)) @ pose.matrix()
-            inside = (np.abs(at[:, :2]) < 0.8 * at[:, 2:]).all(axis=1) & (at[:, 2] < FAR_M)
-            inside &= self._taught
-            worth = float((inside & (self._sizes < SMALL_M)).sum() + rng.uniform(0, 3))
-            worth += 0.7 * float((inside & (self._sizes >= SMALL_M)).sum())
-            if best is None or worth > best[0]:
-                best = (worth, view)
-        assert best is not None
-        return best[1]
+        return self._richest((self._turned(rng) for _ in range(CANDIDATE_VIEWS)), rng)
+
+    def rich_as_recorded(self, rng: Rng) -> View:
+        """Return the best of several of the room's own views, as an evaluation takes them."""
+        numbers = rng.integers(len(self._views), size=CANDIDATE_VIEWS)
+        return self._richest((self._views[int(number)] for number in numbers), rng)
+
+    def _turned(self, rng: Rng) -> View:
+        start = self._views[int(rng.integers(len(self._views)))]
+        turned = random_view(start, int(rng.integers(1 << 30)))
+        return View(turned.position_m, turned.yaw_deg, int(rng.integers(*HORIZON_DEG)))
+
+    def _richest(self, views: Iterable[View], rng: Rng) -> View:
+        judged = ((self.worth(view) + float(rng.uniform(0, 3)), view) for view in views)
+        return max(judged, key=lambda pair: pair[0])[1]
+
+    def worth(self, view: View) -> float:
+        """Return how much that is taught a view shows, walls seen through."""
+        pose = view.pose()
+        at = (self._middles - np.asarray(pose.position_m)) @ pose.matrix()
+        inside = (np.abs(at[:, :2]) < 0.8 * at[:, 2:]).all(axis=1) & (at[:, 2] < FAR_M)
+        inside &= self._taught
+        small = inside & (self._sizes < SMALL_M)
+        return float(small.sum()) + 0.7 * float((inside & ~small).sum())
 
     def close(self, rng: Rng) -> View | None:
         """Return a view of a thing from near, from where the robot can stand; None without one."""

@@ -21,7 +21,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="doro_sim_feeder.rooms", description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True)
     render = commands.add_parser("render", help="render the exploration of a room")
-    render.add_argument("room", help="FloorPlan1-30, 201-230, 301-330 or 401-430")
+    render.add_argument("room", help="FloorPlan1-30, 201-230, 301-330, 401-430 or RoboTHOR1-75")
     render.add_argument("--seed", type=int, default=0)
     render.add_argument("--copies", metavar="CLASS=N", help="spawn N copies, e.g. Cup=4")
     render.add_argument("--colors", default="", help="colours of the copies, e.g. red,red,blue")

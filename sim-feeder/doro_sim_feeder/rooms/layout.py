@@ -20,6 +20,7 @@ from doro_schemas.errors import Refused
 LEVEL_M = 0.01
 FIRST_ROOM = {"kitchens": 1, "living_rooms": 201, "bedrooms": 301, "bathrooms": 401}
 ROOMS_PER_KIND = 30
+APARTMENTS = 75
 Vector = tuple[float, float, float]
 
 
@@ -133,30 +134,43 @@ def room_names(kind: str) -> list[str]:
     return [f"FloorPlan{first + index}" for index in range(ROOMS_PER_KIND)]
 
 
+def apartment_names() -> list[str]:
+    """Return the names of RoboTHOR's 75 apartments."""
+    return [f"RoboTHOR{number}" for number in range(1, APARTMENTS + 1)]
+
+
 def load_layout(name: str) -> RoomLayout:
-    """Return the layout of an iTHOR room, its floor at y = 0.
+    """Return the layout of an iTHOR room or a RoboTHOR apartment, its floor at y = 0.
 
     Some of iTHOR's floors lie higher (22 cm in FloorPlan3, 10 cm in FloorPlan221); what stands
     in those rooms comes down with them.
 
     Args:
         name: ``FloorPlan1``-``30`` kitchens, ``201``-``230`` living rooms, ``301``-``330``
-            bedrooms, ``401``-``430`` bathrooms.
+            bedrooms, ``401``-``430`` bathrooms; ``RoboTHOR1``-``75`` apartments, without
+            floor and inner walls, which nobody recorded.
 
     Raises:
         Refused: no such room, or procthor's files are missing.
     """
+    if name in apartment_names():
+        index = int(name.removeprefix("RoboTHOR")) - 1
+        return RoomLayout(name, "apartments", tuple(_read("robothor", index)))
     match = re.fullmatch(r"FloorPlan(\d+)", name)
     number = int(match.group(1)) if match else -1
     for kind, first in FIRST_ROOM.items():
         index = number - first
         if 0 <= index < ROOMS_PER_KIND:
-            objects = msgspec.json.decode(_all_rooms()[kind][index], type=list[_Object])
-            return RoomLayout(name, kind, _on_the_floor([_typed(item) for item in objects]))
+            return RoomLayout(name, kind, _on_the_floor(_read(kind, index)))
     raise Refused(
         f"there is no room '{name}': use FloorPlan1-30 (kitchens), 201-230 (living rooms),"
-        " 301-330 (bedrooms) or 401-430 (bathrooms)"
+        " 301-330 (bedrooms), 401-430 (bathrooms) or RoboTHOR1-75 (apartments)"
     )
+
+
+def _read(kind: str, index: int) -> list[LayoutObject]:
+    objects = msgspec.json.decode(_all_rooms()[kind][index], type=list[_Object])
+    return [_typed(item) for item in objects]
 
 
 def _on_the_floor(objects: list[LayoutObject]) -> tuple[LayoutObject, ...]:
