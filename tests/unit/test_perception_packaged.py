@@ -30,8 +30,8 @@ def frames() -> list[Pair]:
     return [(color, truth[color.frame]) for color in colors]
 
 
-def captions(frames: list[Pair]) -> list[FrameCaptions]:
-    settings = PerceptionSettings(backend="captioner", captioner_threshold=0.5)
+def captions(frames: list[Pair], threads: int = 1) -> list[FrameCaptions]:
+    settings = PerceptionSettings(backend="captioner", captioner_threshold=0.5, threads=threads)
     core = Perception(settings, Captioner(settings))
     found = [message for color, _ in frames for message in core.color_frame(color)]
     return [message for message in found if isinstance(message, FrameCaptions)]
@@ -55,6 +55,14 @@ def test_same_bytes_twice(frames: list[Pair]) -> None:
     some = frames[:4]
     first, second = (msgspec.msgpack.encode(captions(some)) for _ in range(2))
     assert first == second
+
+
+@pytest.mark.parametrize("threads", [2, 3])
+def test_same_bytes_on_several_threads(threads: int, frames: list[Pair]) -> None:
+    some = frames[:6]
+    assert any(len(message.detections) > 3 for message in captions(some))
+    one, several = (msgspec.msgpack.encode(captions(some, count)) for count in (1, threads))
+    assert one == several
 
 
 def test_all_models_together_are_small() -> None:

@@ -24,7 +24,7 @@ from doro_perception.backend import (
     without_doubles,
 )
 from doro_perception.classes import CLASSES, COLOURS, MATERIALS, class_names
-from doro_perception.crop import cut_out
+from doro_perception.crop_reader import CropReader
 from doro_perception.sessions import Session
 from doro_perception.settings import PerceptionSettings
 from doro_perception.stages import Stages
@@ -94,8 +94,7 @@ class Captioner:
         self._proposer = Session(folder / PROPOSER, settings.threads, ADVICE)
         self._proposer.need({"image": image}, {"boxes": floats, "scores": floats, "kinds": floats})
         self._side_px = square_side_px(self._proposer)
-        self._crops = Session(folder / CROPS, settings.threads, ADVICE)
-        self._crops.need({"crops": image}, {"kind": floats, "color": floats, "material": floats})
+        self._crops = CropReader(folder / CROPS, settings.threads, ADVICE)
         self.calibration = read_calibration(folder / CALIBRATION)
         self._prior = np.asarray(self.calibration.material_prior, np.float64)
         if self._prior.shape != (len(CLASSES), len(MATERIALS)):
@@ -176,21 +175,10 @@ class Captioner:
 
     def read(self, rgb: RgbImage, boxes: FloatArray) -> Read:
         """Return what the crop net says of each box."""
-        logits = self._logits(np.stack([cut_out(rgb, box) for box in boxes]))
+        logits = self._crops.logits(rgb, boxes)
         use = self.calibration
         heat = (use.temperature, use.color_temperature, use.material_temperature)
         return Read(*(softmax(item / t) for item, t in zip(logits, heat, strict=True)))
-
-    def _logits(self, crops: NDArray[np.uint8]) -> list[Any]:
-        """Return logits of class, colour and material of crops."""
-        logits: list[Any] = self._crops.run(["kind", "color", "material"], {"crops": crops})
-        widths = (NOTHING + 1, len(COLOURS), len(MATERIALS))
-        if any(item.shape != (len(crops), n) for item, n in zip(logits, widths, strict=True)):
-            raise Refused(
-                f"model {self._crops.path.name} gives {[item.shape for item in logits]} for"
-                f" {len(crops)} crops, not {widths} columns: {ADVICE}"
-            )
-        return logits
 
     def fuse(self, found: Candidates, seen: Read) -> tuple[FloatArray, FloatArray]:
         """Return class probabilities (n, classes + 2) and calibrated scores (n,).

@@ -67,7 +67,7 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
         fp_pool: JSON file with detections of other rooms, needed by ``fp``.
         model: path of another model file with the same inputs and outputs; empty: the one
             that comes with the package. Its classes stand in ``coco_classes.txt`` beside it.
-        threads: of onnxruntime.
+        threads: of onnxruntime; of the captioner's crop net so many boxes at once.
         score_threshold: detections below it are dropped.
         class_thresholds: other thresholds by canonical class name.
         nms_iou: of two boxes that overlap more, of whatever class, the better one stays.
