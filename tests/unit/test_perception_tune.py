@@ -71,8 +71,21 @@ def test_each_kind_of_room_weighs_the_same_and_the_best_comes_first(
     lines = capsys.readouterr().out.splitlines()
     assert lines[1].startswith("fused          0.50 2.0 0.25 0.25")
     mean = np.mean(list(f1.values()))
-    assert f"| {mean:.3f} all" in lines[1]
+    wide = (mean + tune.means(rooms, [bad])[bad]) / 2
+    assert f"| {mean:.3f} {wide:.3f} all" in lines[1]
     assert sum(line.startswith("votes") for line in lines) == 2
+
+
+def test_a_setting_is_judged_with_those_around_it() -> None:
+    scores = {0.4: 0.6, 0.5: 0.9, 0.55: 0.6, 0.6: 0.8, 0.65: 0.8, 0.7: 0.8}
+    table: dict[tune.Key, float] = {
+        ("votes", score, 3, 0.25, 0.25): f1 for score, f1 in scores.items()
+    }
+    table["votes", 0.5, 4, 0.25, 0.25] = 0.3
+    found = {(key[1], key[2]): value for key, value in tune.around(table).items()}
+    assert found[0.5, 3] == pytest.approx((0.6 + 0.9 + 0.6 + 0.3) / 4)
+    assert found[0.65, 3] == pytest.approx(0.8)
+    assert max(found, key=lambda place: found[place])[0] in (0.65, 0.7)
 
 
 def test_a_way_takes_boxes_above_its_score_with_or_without_distributions() -> None:

@@ -13,7 +13,7 @@ from __future__ import annotations
 import argparse
 import hashlib
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -165,35 +165,49 @@ def by_kind(rooms: Sequence[tuple[str, dict[Key, Floats]]], key: Key) -> dict[st
     return {kind: summary(total)["average/f1"] for kind, total in sorted(sums.items())}
 
 
+def means(rooms: Sequence[tuple[str, dict[Key, Floats]]], keys: Sequence[Key]) -> dict[Key, float]:
+    """Return the F1 of settings; each kind of room weighs the same."""
+    return {key: float(np.mean(list(by_kind(rooms, key).values()))) for key in keys}
+
+
+def around(table: Mapping[Key, float]) -> dict[Key, float]:
+    """Return for each setting of a grid the mean of itself and of those at most one step away in
+    each direction: what a good setting among bad ones owes to chance is averaged out.
+    """
+    axes = [sorted({key[axis] for key in table}) for axis in range(1, 5)]
+    steps = {key: [axis.index(x) for axis, x in zip(axes, key[1:], strict=True)] for key in table}
+    places = np.array(list(steps.values()))
+    values = np.array(list(table.values()))
+    near = (np.abs(places[:, None] - places[None]) <= 1).all(axis=2)
+    found = (near * values).sum(axis=1) / near.sum(axis=1)
+    return dict(zip(table, found.tolist(), strict=True))
+
+
 def print_best(rooms: Sequence[tuple[str, dict[Key, Floats]]]) -> None:
-    """Print the best settings of each system; each kind of room weighs the same."""
+    """Print the best settings of each system, judged with those around them."""
     kinds = sorted({kind_of(room) for room, _ in rooms})
-    print(f"{len(rooms)} recordings; " + ", ".join(kinds))
+    print(f"{len(rooms)} recordings; " + ", ".join(kinds) + " | mean, with the settings around it")
     for system in WAYS:
-        table = {}
-        for key in (key for key in rooms[0][1] if key[0] == system):
+        keys = [key for key in rooms[0][1] if key[0] == system]
+        table = means(rooms, keys)
+        wide = around(table)
+        for key in sorted(keys, key=lambda key: -wide[key])[:SHOWN]:
             f1 = by_kind(rooms, key)
-            table[key] = (float(np.mean(list(f1.values()))), [f1[kind] for kind in kinds])
-        for key in sorted(table, key=lambda key: -table[key][0])[:SHOWN]:
-            mean, each = table[key]
             pooled = summary(sum((own[key] for _, own in rooms), np.zeros(1)))
             more = f"all {pooled['average/f1']:.3f} placed {pooled['matched_f1_0.5m']:.3f}"
-            shown = " ".join(f"{value:.3f}" for value in each)
+            shown = " ".join(f"{f1[kind]:.3f}" for kind in kinds)
             setting = f"{key[1]:.2f} {key[2]:.1f} {key[3]:.2f} {key[4]:.2f}"
-            print(f"{system:14s} {setting} | {shown} | {mean:.3f} {more}")
-        print_left_out(rooms, system, table)
+            print(f"{system:14s} {setting} | {shown} | {table[key]:.3f} {wide[key]:.3f} {more}")
+        print_left_out(rooms, system, keys)
 
 
 def print_left_out(
-    rooms: Sequence[tuple[str, dict[Key, Floats]]],
-    system: str,
-    table: dict[Key, tuple[float, list[float]]],
+    rooms: Sequence[tuple[str, dict[Key, Floats]]], system: str, keys: Sequence[Key]
 ) -> None:
     """Print the F1 of rooms under the settings that the other rooms choose."""
     total = np.zeros(1)
     for left in sorted({room for room, _ in rooms}):
-        others = [pair for pair in rooms if pair[0] != left]
-        scores = {key: float(np.mean(list(by_kind(others, key).values()))) for key in table}
+        scores = around(means([pair for pair in rooms if pair[0] != left], keys))
         best = max(scores, key=lambda key: (scores[key], key))
         total = sum((own[best] for room, own in rooms if room == left), total)
     print(f"{system:14s} each room by the others' choice: {summary(total)['average/f1']:.3f}")

@@ -30,8 +30,8 @@ from doro_perception.train.shards import Frame, Shards, prefetched
 
 NETWORKS = ("proposer", "crops", "names")
 SAVE_S, REFRESH_STEPS, LOG_STEPS = 120.0, 150, 25
-# Half of the time the proposer looks at windows of 256 px, twice as many.
-WINDOW_PX, WINDOW_SHARE = 256, 0.5
+# Half of the time the proposer looks at windows of 288 px, twice as many.
+WINDOW_PX, WINDOW_SHARE = 288, 0.5
 WARM_STEPS, LAST_SHARE = 60, 0.02
 RESTYLED_SHARE = 0.3
 
