@@ -45,6 +45,22 @@ def test_a_varied_room_has_less_and_looks_otherwise() -> None:
     assert all(item.moveable or item.pickupable for item in gone)
 
 
+def test_what_stood_on_a_thing_that_was_taken_out_goes_with_it() -> None:
+    seen = 0
+    for room in ("RoboTHOR11", ROOM, "FloorPlan201"):
+        layout = load_layout(room)
+        for seed in range(6):
+            kept = {item.object_id for item in varied(layout, np.random.default_rng(seed)).objects}
+            for item in layout.objects:
+                bases = [
+                    one.object_id for one in layout.objects if one.object_id in item.receptacles
+                ]
+                without = [name for name in bases if name not in kept]
+                seen += len(without)
+                assert not (without and item.object_id in kept)
+    assert seen > 0
+
+
 def test_a_varied_room_repeats_by_its_seed_and_differs_by_it() -> None:
     own = looks(build_scene(ROOM))
     first, again, other = (looks(varied_scene(ROOM, np.random.default_rng(k))) for k in (1, 1, 2))

@@ -7,6 +7,7 @@ things are taken out, and others are made of another material, or have another s
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import msgspec
@@ -30,9 +31,11 @@ def varied(layout: RoomLayout, rng: np.random.Generator) -> RoomLayout:
     salt = f"~{int(rng.integers(1 << 30))}"
     carrying = {name for item in layout.objects for name in item.receptacles}
     kept = []
+    gone: set[str] = set()
     for item in layout.objects:
         loose = item.moveable or item.pickupable
         if loose and rng.random() < TAKEN_SHARE:
+            gone.add(item.object_id)
             continue
         own = item.asset_id or item.object_id
         other = item
@@ -41,7 +44,17 @@ def varied(layout: RoomLayout, rng: np.random.Generator) -> RoomLayout:
         kept.append(
             msgspec.structs.replace(other, asset_id=own + salt, materials=_materials(item, rng))
         )
-    return msgspec.structs.replace(layout, name=layout.name + salt, objects=tuple(kept))
+    objects = _still_carried(kept, gone)
+    return msgspec.structs.replace(layout, name=layout.name + salt, objects=objects)
+
+
+def _still_carried(kept: Iterable[LayoutObject], gone: Iterable[str]) -> tuple[LayoutObject, ...]:
+    """Return what does not stand on anything that was taken out, nor on what goes with that."""
+    left, without = list(kept), set(gone)
+    while fallen := {item.object_id for item in left if without.intersection(item.receptacles)}:
+        without |= fallen
+        left = [item for item in left if item.object_id not in fallen]
+    return tuple(left)
 
 
 def _materials(item: LayoutObject, rng: np.random.Generator) -> tuple[str, ...]:
