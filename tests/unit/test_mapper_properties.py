@@ -9,7 +9,8 @@ import pytest
 from mapper_scene import Frame, Thing, messages, room, shoot, table, walk
 
 from doro_mapper.core import Mapper
-from doro_mapper.relations import ORDER, relation_matrix
+from doro_mapper.holders import relation_matrix
+from doro_mapper.relations import ORDER
 from doro_mapper.settings import MapperSettings
 from doro_schemas.codec import encode
 from doro_schemas.messages import DepthFrame, FrameGraphs, Instances, InstancesRequest

@@ -207,3 +207,43 @@ def test_a_captioned_look_picks_the_holder_among_things_of_one_class() -> None:
     green = ObjectGraph("book", {"color": "green"})
     mug = box("mug", (0.40, 0.36, 0.86), (0.50, 0.45, 0.97))
     assert held(told(mug, (Relation("is-on", green), 3))) == [Relation("is-on", graphs[1])]
+
+
+def test_what_is_on_a_desk_is_not_on_the_chair_that_stands_under_it() -> None:
+    desk = (box("desk", (0.0, 0.0, 0.0), (1.6, 0.8, 0.9)), "brown")
+    chair = (box("chair", (0.3, 0.3, 0.0), (0.9, 1.0, 0.76)), "black")
+    laptop = (box("laptop", (0.5, 0.55, 0.73), (0.8, 0.85, 1.0)), "gray")
+    assert holders([desk, chair, laptop]) == ["", "is-at brown", "is-on brown"]
+    away = (box("chair", (0.3, 1.2, 0.0), (0.9, 1.9, 0.76)), "black")
+    coat = (box("pillow", (0.4, 1.3, 0.45), (0.8, 1.7, 0.6)), "white")
+    assert holders([desk, away, coat]) == ["", "", "is-on black"]
+
+
+def test_what_lies_in_a_bowl_in_the_sink_lies_in_the_bowl() -> None:
+    sink = (box("sink", (0.0, 0.0, 0.5), (0.6, 0.5, 0.9)), "gray")
+    bowl = (box("bowl", (0.15, 0.1, 0.6), (0.45, 0.4, 0.78)), "blue")
+    egg = (box("egg", (0.27, 0.22, 0.69), (0.33, 0.28, 0.73)), "white")
+    assert holders([sink, bowl, egg]) == ["", "is-at gray", "is-at blue"]
+
+
+def test_what_lies_past_the_seen_edge_of_a_counter_lies_on_it() -> None:
+    counter = (box("counter top", (0.0, 0.6, 0.65), (1.8, 1.26, 1.07)), "black")
+    mug = (box("mug", (1.52, 0.42, 0.92), (1.61, 0.54, 1.02)), "red")
+    assert holders([counter, mug]) == ["", "is-on black"]
+    for low_m, high_m in (
+        ((1.52, 0.22, 0.92), (1.61, 0.34, 1.02)),  # too far from the edge
+        ((1.52, 0.42, 0.70), (1.61, 0.54, 0.80)),  # too low
+        ((1.52, 0.42, 1.20), (1.61, 0.54, 1.30)),  # too high
+    ):
+        assert holders([counter, (box("mug", low_m, high_m), "red")]) == ["", ""]
+    bag = (box("box", (1.5, 0.3, 0.0), (1.8, 0.55, 0.95)), "brown")
+    assert holders([counter, bag]) == ["", ""]  # it stands on the floor
+
+
+def test_what_lies_past_two_edges_lies_on_the_nearest() -> None:
+    left = (box("dresser", (0.0, 0.0, 0.0), (1.0, 0.5, 0.9)), "white")
+    right = (box("dresser", (1.25, 0.0, 0.0), (2.2, 0.5, 0.9)), "black")
+    vase = (box("vase", (1.04, 0.1, 0.88), (1.14, 0.2, 1.2)), "red")
+    assert holders([left, right, vase]) == ["", "", "is-on white"]
+    moved = (box("vase", (1.12, 0.1, 0.88), (1.2, 0.2, 1.2)), "red")
+    assert holders([left, right, moved]) == ["", "", "is-on black"]

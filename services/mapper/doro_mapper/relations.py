@@ -8,124 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from doro_mapper.finder import Found, attributes_agree, names_agree
+from doro_mapper.holders import AT, LOW_M, NEAR, NONE, ON, lesser_landmarks, standing
 from doro_mapper.settings import MapperSettings
-from doro_mapper.views import Bools, Floats
+from doro_mapper.views import Floats
 from doro_mapper.votes import ranked
 from doro_schemas.graph import ObjectGraph, Relation, identity
-from doro_schemas.spatial import NEAR_M, NEAR_UP_M, ON_GAP_M, ON_OVERLAP
+from doro_schemas.spatial import ON_GAP_M
 
 ORDER = ("is-on", "is-at", "is-near")
 HOLDS = ("is-on", "is-at")
-NONE, ON, AT, NEAR = range(4)
-STACKED_SHARE = 0.5
-FITS_SHARE = 0.7
-SUNK_M = 0.02
-LOW_M = 0.35
-"""Things of at most this height (books, plates, boxes, boards) carry others in piles."""
-LANDMARK_SIDES_M = (0.15, 0.3)
-CONTAINERS = frozenset(
-    ("basket", "bowl", "box", "bucket", "crate", "cup", "mug", "pan", "pot", "vase")
-)
-"""Low things that one looks into: what they hide in part lies in them. A plate hides nothing."""
 Option = tuple[bool, int, float, float, int]
 """Sorts landmarks: lesser, kind, gap, distance of centres (metres); and the landmark's index."""
-
-
-def relation_matrix(low_m: Floats, high_m: Floats) -> NDArray[np.int64]:
-    """Return by pair how A stands to B: NONE, ON, AT or NEAR, (n, n).
-
-    The rule of :func:`doro_schemas.spatial.relation_between` for all pairs at once.
-
-    Args:
-        low_m, high_m: (n, 3) corners in (ground, ground, up) order.
-    """
-    center, size = (low_m + high_m) / 2, high_m - low_m
-    a, b = np.s_[:, None], np.s_[None]
-    inside = ((low_m[b] <= center[a]) & (center[a] <= high_m[b])).all(axis=2)
-    bottom, top = low_m[a][..., 2], high_m[b][..., 2]
-    supported = np.abs(bottom - top) <= ON_GAP_M
-    supported |= (center[b][..., 2] <= bottom) & (bottom <= top)
-    overlap = np.minimum(high_m[a], high_m[b]) - np.maximum(low_m[a], low_m[b])
-    ground = np.clip(overlap[..., :2], 0, None) / np.maximum(size[a][..., :2], 1e-6)
-    over = ground.prod(axis=2) >= ON_OVERLAP
-    held = inside & (high_m[a][..., 2] <= top + size[a][..., 2] / 2)
-    gaps = np.clip(-overlap, 0, None)
-    near = (np.hypot(gaps[..., 0], gaps[..., 1]) <= NEAR_M) & (gaps[..., 2] <= NEAR_UP_M)
-    out = np.where(near, NEAR, NONE)
-    out[held] = AT
-    out[over & supported] = ON
-    np.fill_diagonal(out, NONE)
-    return out
-
-
-def _rests(low_m: Floats, high_m: Floats, level_m: Floats) -> Bools:
-    """Tell whether A may lie on B, by what is seen of both, (n, n).
-
-    The box of what lies below is measured too high (in the image its box shows what stands on
-    it) and that of what lies above too low or cut off (a rim hides it), so tops and bottoms
-    decide little. Centres over all views keep their order, be it by millimetres: A's is higher,
-    A reaches down to B but not below it, and lies over it.
-
-    Args:
-        level_m: (n,) heights of the centres.
-    """
-    a, b = np.s_[:, None], np.s_[None]
-    overlap = np.minimum(high_m[a], high_m[b]) - np.maximum(low_m[a], low_m[b])
-    ground = np.clip(overlap[..., :2], 0, None) / np.maximum((high_m - low_m)[a][..., :2], 1e-6)
-    bottom = low_m[:, 2]
-    rests = (ground.prod(axis=2) >= ON_OVERLAP) & (overlap[..., 2] >= -ON_GAP_M)
-    rests &= (level_m[a] > level_m[b]) & (bottom[a] >= bottom[b] - SUNK_M)
-    return np.asarray(rests)
-
-
-def _kinds(low_m: Floats, high_m: Floats, rests: Bools, names: list[str]) -> NDArray[np.int64]:
-    """Return how things stand to landmarks.
-
-    Only what is larger on the ground carries or holds a thing; of one class what is not much
-    smaller carries it (a book on a book), and it neither holds it nor is it near it. A low
-    thing carries what rests on it and nothing else; a container holds what is shorter by a good
-    part and, hidden by its rim, seems lower than wide. What a thing carries or holds itself is
-    not near it: nobody says that a table is near its cup.
-
-    Args:
-        rests: see :func:`_rests`.
-    """
-    kinds = relation_matrix(low_m, high_m)
-    size = high_m - low_m
-    area = size[:, 0] * size[:, 1]
-    low = size[:, 2] <= LOW_M
-    _, number = np.unique(names, return_inverse=True)
-    same = number[:, None] == number[None]
-    kinds[(kinds == ON) & ~rests & (low[None] | same)] = NEAR
-    piled = rests & low[None]
-    kinds[piled] = ON
-    hollow = np.array([name in CONTAINERS for name in names])
-    sunk = hollow[None] & ~same
-    sunk &= size[:, None, :2].max(axis=2) <= FITS_SHARE * size[None, :, :2].max(axis=2)
-    sunk &= (size[:, 2] < size[:, :2].min(axis=1))[:, None]
-    kinds[piled & sunk] = AT
-    kinds[(kinds == AT) & (same | (low & ~hollow)[None])] = NONE
-    kinds[same & (kinds == NEAR)] = NONE
-    held = np.isin(kinds, (ON, AT))
-    holds = area[None] > area[:, None]
-    holds |= same & (area[None] > STACKED_SHARE * area[:, None])
-    kinds[held & ~holds] = NONE
-    kinds[(held & holds).T & ~(held & holds)] = NONE
-    return kinds
-
-
-def _lesser(size_m: Floats) -> tuple[Bools, Bools]:
-    """Return which B are second best to point at A by, and which nobody would, (n, n).
-
-    Best is what is larger and of furniture's size. Of the rest, furniture is pointed at by
-    furniture alone, a smaller thing by what is at least half as large: no chair is near a cup.
-    """
-    sides = np.sort(size_m, axis=1)
-    furniture = (sides[:, 2] >= LANDMARK_SIDES_M[1]) & (sides[:, 1] >= LANDMARK_SIDES_M[0])
-    area = size_m[:, 0] * size_m[:, 1]
-    best = (area[None] > area[:, None]) & furniture[None]
-    small = furniture[:, None] | (area[None] < STACKED_SHARE * area[:, None])
-    return np.asarray(~best), np.asarray(~furniture[None] & small)
 
 
 def spatial_relations(
@@ -147,9 +40,8 @@ def spatial_relations(
     high = np.array([found.high_m for found in instances])
     level = np.array([found.center_m[2] for found in instances])
     names = [graph.name for graph in graphs]
-    kinds = _kinds(low, high, _rests(low, high, level), names)
-    kinds[:, [name in no_landmarks for name in names]] = NONE
-    lesser, never = _lesser(high - low)
+    kinds = standing(low, high, level, names, no_landmarks)
+    lesser, never = lesser_landmarks(high - low)
     kinds[never & (kinds == NEAR)] = NONE
     held = np.isin(kinds, (ON, AT))
     piled = held & (high[:, 2] - low[:, 2] <= LOW_M)[None]
