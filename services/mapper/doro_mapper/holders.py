@@ -145,9 +145,11 @@ def _tucked(kinds: NDArray[np.int64], height_m: Floats) -> Bools:
     Args:
         height_m: (n,) heights of things.
     """
-    held = np.isin(kinds, (ON, AT))
-    within = held.astype(np.float32) @ (kinds == AT).T.astype(np.float32) > 0
-    return np.asarray(held & within & (height_m > LOW_M)[None])
+    held, at = np.isin(kinds, (ON, AT)), kinds == AT
+    tucked = np.zeros_like(held)
+    for number in np.flatnonzero(at.any(axis=1) & (height_m > LOW_M)).tolist():
+        tucked[:, number] = held[:, number] & held[:, at[number]].any(axis=1)
+    return np.asarray(tucked)
 
 
 def _edged(low_m: Floats, high_m: Floats, beside: Bools, held: Bools) -> Bools:
@@ -159,17 +161,20 @@ def _edged(low_m: Floats, high_m: Floats, beside: Bools, held: Bools) -> Bools:
     Args:
         beside: which A are near a B that may carry them; held: which A are on or in which B.
     """
-    a, b = np.s_[:, None], np.s_[None]
     size = high_m - low_m
     area = size[:, 0] * size[:, 1]
-    bottom, top = low_m[a][..., 2], high_m[b][..., 2]
-    apart = np.maximum(low_m[a] - high_m[b], low_m[b] - high_m[a])[..., :2]
+    loose = np.flatnonzero(~held.any(axis=1) & (low_m[:, 2] >= LOW_M))
+    bottom, top = low_m[loose, None, 2], high_m[None, :, 2]
+    apart = np.maximum(
+        low_m[loose, None, :2] - high_m[None, :, :2], low_m[None, :, :2] - high_m[loose, None, :2]
+    )
     gap_m = np.hypot(*np.moveaxis(np.clip(apart, 0, None), 2, 0))
-    fits = beside & (gap_m <= EDGE_M) & _furniture(size)[b] & (area[b] > area[a])
-    fits &= ((low_m + high_m)[b][..., 2] / 2 <= bottom) & (bottom <= top + ON_GAP_M)
-    fits &= ~(held.any(axis=1) | (low_m[:, 2] < LOW_M))[a]
+    fits = beside[loose] & (gap_m <= EDGE_M) & _furniture(size) & (area > area[loose, None])
+    fits &= ((low_m + high_m)[:, 2] / 2 <= bottom) & (bottom <= top + ON_GAP_M)
     gap_m[~fits] = np.inf
-    return np.asarray(fits & (gap_m == gap_m.min(axis=1, keepdims=True)))
+    edged = np.zeros_like(held)
+    edged[loose] = fits & (gap_m == gap_m.min(axis=1, keepdims=True))
+    return np.asarray(edged)
 
 
 def _furniture(size_m: Floats) -> Bools:
