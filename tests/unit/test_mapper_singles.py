@@ -84,5 +84,5 @@ def test_an_erring_detector_may_overlook_furniture_more_often(
     longest_m: float, doubt: float, *, counted: bool
 ) -> None:
     """Ten views of 25: enough for furniture, not for a cup; not where too few are certain."""
-    use = MapperSettings(min_certain_share=0.5, min_certain_share_furniture=0.35)
+    use = MapperSettings(min_certain=2.0, min_certain_share=0.5, min_certain_share_furniture=0.35)
     assert enough((10, 15), 100, use, doubt, longest_m=longest_m) is counted

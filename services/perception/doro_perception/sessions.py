@@ -66,6 +66,8 @@ class Session:
         options.intra_op_num_threads = threads
         options.inter_op_num_threads = 1
         options.log_severity_level = 4
+        # Its threads wait busily for more work, on a core that the next stage needs.
+        options.add_session_config_entry("session.force_spinning_stop", "1")
         try:
             self._session: Any = ort.InferenceSession(  # type: ignore[attr-defined]
                 data, options, providers=["CPUExecutionProvider"]
