@@ -214,6 +214,8 @@ def test_what_is_on_a_desk_is_not_on_the_chair_that_stands_under_it() -> None:
     chair = (box("chair", (0.3, 0.3, 0.0), (0.9, 1.0, 0.76)), "black")
     laptop = (box("laptop", (0.5, 0.55, 0.73), (0.8, 0.85, 1.0)), "gray")
     assert holders([desk, chair, laptop]) == ["", "is-at brown", "is-on brown"]
+    twin = (box("chair", (0.35, 0.35, 0.4), (0.85, 0.95, 0.9)), "red")
+    assert pairs([desk, chair, twin])[2] == [("is-at", "desk")]  # never near one of its own class
     away = (box("chair", (0.3, 1.2, 0.0), (0.9, 1.9, 0.76)), "black")
     coat = (box("pillow", (0.4, 1.3, 0.45), (0.8, 1.7, 0.6)), "white")
     assert holders([desk, away, coat]) == ["", "", "is-on black"]

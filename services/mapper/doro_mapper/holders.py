@@ -74,7 +74,8 @@ def standing(
     """
     kinds = _by_boxes(low_m, high_m, _rests(low_m, high_m, level_m), names)
     kinds[:, [name in no_landmarks for name in names]] = NONE
-    kinds[_tucked(kinds, high_m[:, 2] - low_m[:, 2])] = NEAR
+    tucked = _tucked(kinds, high_m[:, 2] - low_m[:, 2])
+    kinds[tucked] = np.where(_same(names)[tucked], NONE, NEAR)
     seats = np.array([name in SEATS for name in names])
     kinds[_edged(low_m, high_m, (kinds == NEAR) & ~seats[None], np.isin(kinds, (ON, AT)))] = ON
     return kinds
@@ -116,8 +117,7 @@ def _by_boxes(low_m: Floats, high_m: Floats, rests: Bools, names: list[str]) -> 
     size = high_m - low_m
     area = size[:, 0] * size[:, 1]
     low = size[:, 2] <= LOW_M
-    _, number = np.unique(names, return_inverse=True)
-    same = number[:, None] == number[None]
+    same = _same(names)
     kinds[(kinds == ON) & ~rests & (low[None] | same)] = NEAR
     piled = rests & low[None]
     kinds[piled] = ON
@@ -134,6 +134,11 @@ def _by_boxes(low_m: Floats, high_m: Floats, rests: Bools, names: list[str]) -> 
     kinds[held & ~holds] = NONE
     kinds[(held & holds).T & ~(held & holds)] = NONE
     return kinds
+
+
+def _same(names: list[str]) -> Bools:
+    _, number = np.unique(names, return_inverse=True)
+    return np.asarray(number[:, None] == number[None])
 
 
 def _tucked(kinds: NDArray[np.int64], height_m: Floats) -> Bools:
