@@ -17,7 +17,7 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import numpy as np
 import torch
@@ -33,7 +33,10 @@ SAVE_S, REFRESH_STEPS, LOG_STEPS = 120.0, 150, 25
 # Half of the time the proposer looks at windows of 288 px, twice as many.
 WINDOW_PX, WINDOW_SHARE = 288, 0.5
 WARM_STEPS, LAST_SHARE = 60, 0.02
-RESTYLED_SHARE = 0.3
+RESTYLED_SHARE, PLAIN_SHARE = 0.3, 0.6
+BACKBONE_RATE = 0.3
+ATTRIBUTE_WEIGHTS = (0.5, 0.8)
+"""Of the losses of colour and material, beside the class."""
 
 
 @dataclass
@@ -54,20 +57,23 @@ class Trainer:
         self.path = arguments.out / f"{arguments.network}.pt"
         backbone = [p for n, p in model.named_parameters() if n.startswith("backbone.")]
         heads = [p for n, p in model.named_parameters() if not n.startswith("backbone.")]
-        self.rates = [arguments.rate, arguments.rate * 0.2]
+        self.rates = [arguments.rate, arguments.rate * BACKBONE_RATE]
         self.optimizer = torch.optim.AdamW(
             [{"params": heads}, {"params": backbone}],
             lr=arguments.rate,
             weight_decay=arguments.decay,
         )
         self.average = {k: v.clone() for k, v in model.state_dict().items()}
-        self.state = State()
+        self.state, self.new_weights = State(), 0
         if self.path.exists():
             self._load()
         elif arguments.start is not None:
             # The average of an earlier run; its optimiser and its steps are not taken.
             saved = torch.load(arguments.start / self.path.name, weights_only=True)["average"]
-            model.load_state_dict(saved)
+            lacking, strange = model.load_state_dict(saved, strict=False)
+            if strange:
+                raise SystemExit(f"{arguments.start} has weights of another network: {strange[0]}")
+            self.new_weights = len(lacking)
             self.average = {k: v.clone() for k, v in model.state_dict().items()}
 
     @property
@@ -121,10 +127,10 @@ def untrained(network: str) -> nn.Module:
 
 
 def propose_losses(model: nn.Module, given: Any) -> tuple[Tensor, tuple[float, ...]]:
-    images, wanted = given
+    images, wanted, plain = given
     x = scaled(images).contiguous(memory_format=torch.channels_last)
     with torch.autocast("cpu", torch.bfloat16):
-        heads = model(x, torch.rand(len(x)) < RESTYLED_SHARE)
+        heads = model(x, (torch.rand(len(x)) < RESTYLED_SHARE) & ~plain)
     total, parts = torch.zeros(()), []
     for (heat, edges), target, stride in zip(heads, wanted, proposer.STRIDES, strict=True):
         names, boxes = proposer.losses(heat, edges, target, stride)
@@ -134,9 +140,9 @@ def propose_losses(model: nn.Module, given: Any) -> tuple[Tensor, tuple[float, .
 
 
 def crop_losses(model: nn.Module, given: Any) -> tuple[Tensor, tuple[float, ...]]:
-    images, labels = given
+    images, labels, plain = given
     x = scaled(images).contiguous(memory_format=torch.channels_last)
-    restyled = torch.rand(len(x)) < RESTYLED_SHARE
+    restyled = (torch.rand(len(x)) < RESTYLED_SHARE) & ~plain
     with torch.autocast("cpu", torch.bfloat16):
         found = [item.float() for item in model(x, restyled)]
     # Another style changes colours and how a surface shines.
@@ -144,8 +150,8 @@ def crop_losses(model: nn.Module, given: Any) -> tuple[Tensor, tuple[float, ...]
     wanted = labels.T
     total = functional.cross_entropy(found[0], wanted[0], label_smoothing=0.05)
     parts = [total.item(), (found[0].argmax(1) == wanted[0]).float().mean().item()]
-    for logit, want in zip(found[1:], wanted[1:], strict=True):
-        total = total + 0.5 * functional.cross_entropy(logit, want, ignore_index=-1)
+    for logit, want, weight in zip(found[1:], wanted[1:], ATTRIBUTE_WEIGHTS, strict=True):
+        total = total + weight * functional.cross_entropy(logit, want, ignore_index=-1)
         known = want >= 0
         parts.append((logit.argmax(1) == want)[known].float().mean().item())
     return total, tuple(parts)
@@ -157,13 +163,14 @@ def counted(shards: Shards) -> np.ndarray[Any, np.dtype[np.float64]]:
     return np.bincount(kinds, minlength=crops.KINDS - 1).astype(np.float64)
 
 
-def halved(
+def shared_out(
     frames: list[Frame], worth: np.ndarray[Any, np.dtype[np.float64]]
 ) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """Return how likely each frame is taken: half of them plain ones, where there are both."""
+    """Return how likely each frame is taken: a share are plain ones, where there are both."""
     plain = np.array([frame.plain for frame in frames])
     if plain.any() and not plain.all():
-        worth = np.where(plain, worth / worth[plain].sum(), worth / worth[~plain].sum())
+        shares = PLAIN_SHARE / worth[plain].sum(), (1 - PLAIN_SHARE) / worth[~plain].sum()
+        worth = worth * np.where(plain, *shares)
     odds: np.ndarray[Any, np.dtype[np.float64]] = worth / worth.sum()
     return odds
 
@@ -179,8 +186,8 @@ def batches(network: str, shards: Shards, size: int, seed: int, trainer: Trainer
         worth = [
             1 + 8 * float(rare[f.kind[~f.ignore & (f.kind >= 0)]].sum()) for f in shards.frames
         ]
-        odds["frames"] = halved(shards.frames, np.minimum(worth, 6.0))
-        odds["any"] = halved(shards.frames, np.ones(len(worth)))
+        odds["frames"] = shared_out(shards.frames, np.minimum(worth, 6.0))
+        odds["any"] = shared_out(shards.frames, np.ones(len(worth)))
 
     def make(rng: np.random.Generator) -> Any:
         if numbers["made"] % REFRESH_STEPS == 0:
@@ -193,6 +200,15 @@ def batches(network: str, shards: Shards, size: int, seed: int, trainer: Trainer
         return crops.batch(shards.frames, odds["any"], odds["kinds"], size, rng)
 
     return prefetched(make, seed)
+
+
+def opened_log(arguments: argparse.Namespace, frames: int, trainer: Trainer) -> TextIO:
+    """Return the log of a network, with what repeats the run at its end."""
+    log = (arguments.out / f"{arguments.network}.log").open("a", buffering=1)
+    log.write(f"# {' '.join(sys.argv)}\n# seed {arguments.seed}, {frames} frames\n")
+    if trainer.new_weights:
+        log.write(f"# {arguments.start} lacks {trainer.new_weights} tensors: begun untrained\n")
+    return log
 
 
 def main() -> None:
@@ -217,8 +233,7 @@ def main() -> None:
     model = untrained(arguments.network)
     trainer = Trainer(model, arguments)
     trainer.model.train()
-    log = (arguments.out / f"{arguments.network}.log").open("a", buffering=1)
-    log.write(f"# {' '.join(sys.argv)}\n# seed {arguments.seed}, {len(shards.frames)} frames\n")
+    log = opened_log(arguments, len(shards.frames), trainer)
     size = arguments.batch or (16 if proposing else 64)
     compute = propose_losses if proposing else crop_losses
     # A resumed run sees other batches than the first: the seed goes on with the steps.

@@ -31,7 +31,7 @@ MINED_SHARE = 0.5
 """How often a box is one that the proposer found, where it found one."""
 PARTLY_SIDE_SHARE = 8 / 300
 """Of the image's side: smaller things that are hidden for the most part are not taught."""
-STRENGTH, STRANGE_SHARE = 0.7, 0.15
+STRENGTH, STRANGE_SHARE, COARSE_SHARE, COVERED_SHARE = 0.7, 0.15, 0.25, 0.2
 
 
 class CropNet(nn.Module):  # type: ignore[misc]
@@ -104,7 +104,8 @@ def batch(
     size: int,
     rng: Rng,
 ) -> tuple[Any, ...]:
-    """Return crops uint8 (n, 96, 96, 3) and (class, colour, material) int64 (n, 3), -1 unknown.
+    """Return crops uint8 (n, 96, 96, 3), (class, colour, material) int64 (n, 3), -1 unknown, and
+    which are of plain frames, bool (n,).
 
     Args:
         shares: how likely each frame is taken.
@@ -112,6 +113,7 @@ def batch(
     """
     crops: list[Image] = []
     labels: list[tuple[int, int, int]] = []
+    plain: list[bool] = []
     while len(crops) < size:
         frame = frames[int(rng.choice(len(frames), p=shares))]
         image, scale = frame.image(), 1.0
@@ -125,20 +127,26 @@ def batch(
             p = odds[frame.kind[good]]
             count = min(PER_FRAME, len(good))
             for k in rng.choice(good, count, replace=False, p=p / p.sum()):
-                crop = _jittered(image, *_box_of(frame, int(k), scale, rng), rng)
+                crop = _jittered(image, *_box_of(frame, int(k), scale, rng), rng, frame.strength)
                 if crop is None:
                     continue
                 colour = int(frame.colour[k])
-                if rng.random() < STRANGE_SHARE:
+                if rng.random() < STRANGE_SHARE * frame.strength:
                     crop, colour = _strange(crop, rng), -1
                 crops.append(crop)
                 labels.append((int(frame.kind[k]), colour, int(frame.material[k])))
+        wrong = frame.mined[frame.mined_of == NOBODY] * scale
         for _ in range(2):
-            empty = _background(image, boxes, frame.mined[frame.mined_of == NOBODY] * scale, rng)
+            empty = _background(image, boxes, wrong, rng, frame.strength)
             if empty is not None:
                 crops.append(empty)
                 labels.append((NOTHING, -1, -1))
-    return torch.from_numpy(np.stack(crops[:size])), torch.tensor(labels[:size])
+        plain += [frame.plain] * (len(crops) - len(plain))
+    return (
+        torch.from_numpy(np.stack(crops[:size])),
+        torch.tensor(labels[:size]),
+        torch.tensor(plain[:size]),
+    )
 
 
 def _taught(frame: Frame) -> NDArray[np.int64]:
@@ -158,7 +166,9 @@ def _box_of(frame: Frame, k: int, scale: float, rng: Rng) -> tuple[NDArray[np.fl
     return frame.box[k] * scale, BOX_JITTER
 
 
-def _jittered(image: Image, box: NDArray[np.float32], jitter: float, rng: Rng) -> Image | None:
+def _jittered(
+    image: Image, box: NDArray[np.float32], jitter: float, rng: Rng, strength: float
+) -> Image | None:
     size = np.tile(box[2:] - box[:2], 2)
     moved = box + rng.normal(0, jitter, 4) * size
     if (moved[2:] - moved[:2]).min() < MIN_SIDE_PX:
@@ -166,8 +176,11 @@ def _jittered(image: Image, box: NDArray[np.float32], jitter: float, rng: Rng) -
     crop = cut_out(image, moved)
     if rng.random() < 0.5:
         crop = np.ascontiguousarray(crop[:, ::-1])
-    crop = _covered(_coarse(crop, rng), rng)
-    return photometric(crop, rng, strength=STRENGTH)
+    if rng.random() < COARSE_SHARE * strength:
+        crop = _coarse(crop, rng)
+    if rng.random() < COVERED_SHARE * strength:
+        crop = _covered(crop, rng)
+    return photometric(crop, rng, strength=STRENGTH * strength)
 
 
 def _strange(crop: Image, rng: Rng) -> Image:
@@ -179,18 +192,14 @@ def _strange(crop: Image, rng: Rng) -> Image:
 
 
 def _coarse(crop: Image, rng: Rng) -> Image:
-    """Return the crop as a far camera gives it, now and then."""
-    if rng.random() >= 0.25:
-        return crop
+    """Return the crop as a far camera gives it."""
     side = int(rng.integers(18, 64))
     small = cv2.resize(crop, (side, side), interpolation=cv2.INTER_AREA)
     return np.asarray(cv2.resize(small, (SIDE_PX, SIDE_PX)), np.uint8)
 
 
 def _covered(crop: Image, rng: Rng) -> Image:
-    """Return the crop with a part of it hidden, now and then."""
-    if rng.random() >= 0.2:
-        return crop
+    """Return the crop with a part of it hidden."""
     size = rng.integers(SIDE_PX // 8, SIDE_PX // 2, 2)
     left, top = (int(rng.integers(0, SIDE_PX - n)) for n in size)
     covered = crop.copy()
@@ -199,13 +208,17 @@ def _covered(crop: Image, rng: Rng) -> Image:
 
 
 def _background(
-    image: Image, boxes: NDArray[np.float32], wrong: NDArray[np.float32], rng: Rng
+    image: Image,
+    boxes: NDArray[np.float32],
+    wrong: NDArray[np.float32],
+    rng: Rng,
+    strength: float,
 ) -> Image | None:
     """Return a crop that shows no thing in its middle: one that the proposer took for a thing, a
     random place, or a badly placed box.
     """
     if len(wrong) and rng.random() < MINED_SHARE:
-        return _jittered(image, wrong[rng.integers(len(wrong))], MINED_JITTER, rng)
+        return _jittered(image, wrong[rng.integers(len(wrong))], MINED_JITTER, rng, strength)
     whole = image.shape[0]
     if len(boxes) and rng.random() < 0.4:
         box = boxes[int(rng.integers(len(boxes)))]
@@ -227,4 +240,4 @@ def _background(
     union = size.prod() + (boxes[:, 2:] - boxes[:, :2]).prod(axis=1) - common
     if len(boxes) and (common / union).max() > 0.25:
         return None
-    return photometric(cut_out(image, box), rng, strength=0.5)
+    return photometric(cut_out(image, box), rng, strength=0.5 * strength)

@@ -44,6 +44,30 @@ def separable(inputs: int, outputs: int, side: int = 3) -> nn.Sequential:
     )
 
 
+class Refined(nn.Module):  # type: ignore[misc]
+    """Two residual separable convolutions; untrained they give back what they get (from ReLUs)."""
+
+    def __init__(self, channels: int, side: int = 3) -> None:
+        super().__init__()
+        self.steps = nn.ModuleList(
+            nn.Sequential(
+                nn.Conv2d(channels, channels, side, padding=side // 2, groups=channels, bias=False),
+                nn.BatchNorm2d(channels),
+                nn.ReLU(inplace=True),
+                nn.Conv2d(channels, channels, 1, bias=False),
+                nn.BatchNorm2d(channels),
+            )
+            for _ in range(2)
+        )
+        for step in self.steps:
+            step[-1].weight.data.zero_()
+
+    def forward(self, x: Tensor) -> Tensor:
+        for step in self.steps:
+            x = functional.relu(x + step(x))
+        return x
+
+
 class Head(nn.Module):  # type: ignore[misc]
     """Heat logits (n, KINDS, h, w) and distances to left, top, right, bottom in strides."""
 
@@ -75,15 +99,17 @@ class Proposer(nn.Module):  # type: ignore[misc]
             separable(64, 64),
         )
         self.narrow = pointwise(96, 64)
+        self.deep5, self.deep4 = Refined(128, 5), Refined(96, 5)
+        self.deep3, self.deep2 = Refined(96, 5), Refined(64)
         self.small, self.large = Head(64), Head(96)
 
     def forward(self, x: Tensor, restyled: Tensor | None = None) -> list[tuple[Tensor, Tensor]]:
         c2, c3, c4, c5 = self.backbone(x, restyled)
         p5 = self.side5(c5)
-        p5 = p5 + self.context(p5)
-        p4 = self.down4(_doubled(p5) + self.side4(c4))
-        p3 = self.down3(_doubled(p4) + self.side3(c3))
-        p2 = self.down2(_doubled(self.narrow(p3)) + self.side2(c2))
+        p5 = self.deep5(p5 + self.context(p5))
+        p4 = self.deep4(self.down4(_doubled(p5) + self.side4(c4)))
+        p3 = self.deep3(self.down3(_doubled(p4) + self.side3(c3)))
+        p2 = self.deep2(self.down2(_doubled(self.narrow(p3)) + self.side2(c2)))
         return [self.small(p2), self.large(p3)]
 
 
@@ -159,7 +185,7 @@ def sample(
     if rng.random() < 0.5:
         part = np.ascontiguousarray(part[:, ::-1])
         rows[:, [0, 2]] = side_px - rows[:, [2, 0]]
-    return photometric(part, rng), rows
+    return photometric(part, rng, frame.strength), rows
 
 
 def targets(
@@ -253,12 +279,15 @@ def batch(
     rng: Rng,
     side_px: int = SIDE_PX,
 ) -> tuple[Any, ...]:
-    """Return images uint8 (n, side, side, 3) and the targets of both heads."""
+    """Return images uint8 (n, side, side, 3), the targets of both heads, and which images are of
+    plain frames, bool (n,).
+    """
     chosen = rng.choice(len(frames), size, p=odds)
     pairs = [sample(frames[int(k)], rng, side_px) for k in chosen]
+    plain = torch.tensor([frames[int(k)].plain for k in chosen])
     images = torch.from_numpy(np.stack([image for image, _ in pairs]))
     rows = [row for _, row in pairs]
-    return images, [targets(rows, stride, side_px) for stride in STRIDES]
+    return images, [targets(rows, stride, side_px) for stride in STRIDES], plain
 
 
 cv2.setNumThreads(1)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from doro_perception.backend import intersection_over_union
 
 SHOWS_IOU, NOBODY_IOU = 0.5, 0.3
+MILD = 0.4
 NOBODY, UNCLEAR = -1, -2
 Image = NDArray[np.uint8]
 Rng = np.random.Generator
@@ -42,6 +43,13 @@ class Frame:
     mined: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 4), np.float32))
     mined_of: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
     decoded: list[Image] = field(default_factory=list, compare=False)
+
+    @property
+    def strength(self) -> float:
+        """How often and how strongly samples are changed: plain frames are to be learned as they
+        are, dressed ones against being made for one renderer.
+        """
+        return MILD if self.plain else 1.0
 
     def image(self) -> Image:
         """Return the picture, RGB; decoded once, not to be written into."""
