@@ -70,7 +70,7 @@ UNVOTED = MapperSettings(min_hits=1, min_hit_share=0.0, without=("voting", "obse
 """One view is enough, names the thing, and nothing that another view says or misses counts."""
 WAYS = {
     "fused": Way(PerceptionSettings().captioner_threshold, MapperSettings(), distributions=True),
-    "votes": Way(0.65, MapperSettings(min_hits=2, min_hit_share=0.4)),
+    "votes": Way(0.45, MapperSettings(min_hits=4, min_hit_share=0.6)),
     "single frames": Way(0.9, UNVOTED),
 }
 """``fused``: as shipped. ``votes``: the likeliest name of each view, and the map lets views vote.

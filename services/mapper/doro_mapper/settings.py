@@ -90,9 +90,9 @@ class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
     literal_index: Literal["id", "rank"] = "id"
     min_hits: int = 2
     min_hit_share: float = 0.25
-    min_certain: float = 1.5
-    min_certain_share: float = 0.4
-    min_certain_share_furniture: float = 0.4
+    min_certain: float = 2.5
+    min_certain_share: float = 0.5
+    min_certain_share_furniture: float = 0.5
     few_views: int = 40
     max_evidence: int = 5
     relation_share: float = 0.3

@@ -24,7 +24,8 @@ from doro_perception.train.shards import Frame, Shards
 IOU = 0.5
 PRIOR_COUNT = 1.0
 TEMPERATURES = np.exp(np.linspace(np.log(0.5), np.log(4.0), 43))
-DETECTOR_SHARES = (0.0, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0, 1.3, 1.6)
+DETECTOR_SHARES = (0.0, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0)
+"""At most 1: with more the proposer, which sees a whole rendered room, outvotes the crop nets."""
 CLASS_SHARES = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8)
 PRIOR_SHARES = (0.0, 0.25, 0.5, 0.75, 1.0, 1.5)
 NEWTON_STEPS = 60
