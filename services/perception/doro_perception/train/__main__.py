@@ -204,7 +204,8 @@ def batches(network: str, shards: Shards, size: int, seed: int, trainer: Trainer
 
 def opened_log(arguments: argparse.Namespace, frames: int, trainer: Trainer) -> TextIO:
     """Return the log of a network, with what repeats the run at its end."""
-    log = (arguments.out / f"{arguments.network}.log").open("a", buffering=1)
+    path: Path = arguments.out / f"{arguments.network}.log"
+    log = path.open("a", buffering=1)
     log.write(f"# {' '.join(sys.argv)}\n# seed {arguments.seed}, {frames} frames\n")
     if trainer.new_weights:
         log.write(f"# {arguments.start} lacks {trainer.new_weights} tensors: begun untrained\n")
