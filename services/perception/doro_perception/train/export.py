@@ -84,6 +84,8 @@ def export(network: str, run: Path, shards: Shards, out: Path, *, int8: bool) ->
     examples = [next(inputs(network, shards)) for _ in range(1)]
     example = torch.from_numpy(examples[0])
     path = out / f"{network}.onnx"
+    digest_path = path.with_name(path.name + ".sha256")
+    digest_path.unlink(missing_ok=True)  # of an earlier export: the new file is not that one
     with tempfile.TemporaryDirectory() as folder:
         plain, ready = Path(folder) / "plain.onnx", Path(folder) / "ready.onnx"
         free = {INPUTS[network]: {0: "n"}} | {name: {0: "n"} for name in OUTPUTS[network]}
@@ -124,7 +126,7 @@ def export(network: str, run: Path, shards: Shards, out: Path, *, int8: bool) ->
         _apart(model, path, example, INPUTS[network]),
     )
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
-    path.with_name(path.name + ".sha256").write_text(f"{digest}  {path.name}\n", encoding="utf-8")
+    digest_path.write_text(f"{digest}  {path.name}\n", encoding="utf-8")
 
 
 def _apart(model: nn.Module, path: Path, example: torch.Tensor, name: str) -> str:
