@@ -19,7 +19,7 @@ from doro_perception.classes import CLASSES
 from doro_perception.train.backbone import CHANNELS, MobileNetV2, Weights, scaled
 from doro_perception.train.shards import Frame, Rng, photometric, resized
 
-SIDE_PX = 448
+SIDE_PX = 512
 STRIDES = (4, 8)
 KINDS = len(CLASSES) + 1
 SPLIT_PX = (38.0, 56.0)
@@ -84,7 +84,7 @@ class Head(nn.Module):  # type: ignore[misc]
 
 
 class Proposer(nn.Module):  # type: ignore[misc]
-    """Two heads over the pyramid; input (n, 3, 448, 448) in -1..1."""
+    """Two heads over the pyramid; input (n, 3, 512, 512) in -1..1."""
 
     def __init__(self, weights: Weights) -> None:
         super().__init__()
@@ -118,7 +118,7 @@ def _doubled(x: Tensor) -> Tensor:
 
 
 class Exported(nn.Module):  # type: ignore[misc]
-    """What the ONNX file holds: uint8 image (1, 448, 448, 3) to candidate boxes.
+    """What the ONNX file holds: uint8 image (1, 512, 512, 3) to candidate boxes.
 
     Outputs: boxes (1, 2 K, 4) edges in pixels of the input, scores (1, 2 K) of the class whose
     peak it is, kinds (1, 2 K, KINDS) what the heat says of every class at that place.
