@@ -34,8 +34,8 @@ SAVE_S, REFRESH_STEPS, LOG_STEPS = 120.0, 150, 25
 WINDOW_PX, WINDOW_SHARE = 288, 0.5
 WARM_STEPS, LAST_SHARE = 60, 0.02
 RESTYLED_SHARE, PLAIN_SHARE = 0.3, 0.6
-BACKBONE_RATE = 0.3
-ATTRIBUTE_WEIGHTS = (0.5, 0.8)
+BACKBONE_RATE, USUAL_WEIGHT = 0.3, 0.03
+ATTRIBUTE_WEIGHTS = (0.5, 1.0)
 """Of the losses of colour and material, beside the class."""
 
 
@@ -55,11 +55,10 @@ class Trainer:
         self.model = model.to(memory_format=torch.channels_last)
         self.total_s = arguments.minutes * 60
         self.path = arguments.out / f"{arguments.network}.pt"
-        backbone = [p for n, p in model.named_parameters() if n.startswith("backbone.")]
-        heads = [p for n, p in model.named_parameters() if not n.startswith("backbone.")]
-        self.rates = [arguments.rate, arguments.rate * BACKBONE_RATE]
+        named = list(model.named_parameters())
+        self.rates = [arguments.rate * pace(name, values) for name, values in named]
         self.optimizer = torch.optim.AdamW(
-            [{"params": heads}, {"params": backbone}],
+            [{"params": [values]} for _, values in named],
             lr=arguments.rate,
             weight_decay=arguments.decay,
         )
@@ -117,6 +116,20 @@ class Trainer:
                     self.average[name].mul_(keep).add_(value, alpha=1 - keep)
                 else:
                     self.average[name].copy_(value)
+
+
+def pace(name: str, values: Tensor) -> float:
+    """Return the share of the rate at which one tensor learns.
+
+    The backbones' batch norms are folded into their convolutions, so that some have weights of
+    0.03 and others of 0.4; equal steps would leave the latter nearly as they are.
+    """
+    if not name.startswith("backbone."):
+        return 1.0
+    if name.endswith("bias"):
+        return BACKBONE_RATE
+    size = float(values.detach().square().mean().sqrt())
+    return BACKBONE_RATE * math.sqrt(size / USUAL_WEIGHT)
 
 
 def untrained(network: str) -> nn.Module:
