@@ -70,8 +70,8 @@ UNVOTED = MapperSettings(min_hits=1, min_hit_share=0.0, without=("voting", "obse
 """One view is enough, names the thing, and nothing that another view says or misses counts."""
 WAYS = {
     "fused": Way(PerceptionSettings().captioner_threshold, MapperSettings(), distributions=True),
-    "votes": Way(0.45, MapperSettings(min_hits=4, min_hit_share=0.6)),
-    "single frames": Way(0.9, UNVOTED),
+    "votes": Way(0.7, MapperSettings(min_hits=2, min_hit_share=0.4)),
+    "single frames": Way(0.93, UNVOTED),
 }
 """``fused``: as shipped. ``votes``: the likeliest name of each view, and the map lets views vote.
 ``single frames``: the likeliest name of one view. Each with its own best thresholds on the rooms of

@@ -121,7 +121,7 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     colour: bool = True
     captioner: str = ""
     captioner_leave_out: tuple[str, ...] = ("window",)
-    captioner_threshold: float = 0.6
+    captioner_threshold: float = 0.55
     double_iou: float = 0.4
     candidate_score: float = 0.08
     mirror: bool = False
