@@ -86,3 +86,13 @@ def test_an_erring_detector_may_overlook_furniture_more_often(
     """Ten views of 25: enough for furniture, not for a cup; not where too few are certain."""
     use = MapperSettings(min_certain=2.0, min_certain_share=0.5, min_certain_share_furniture=0.35)
     assert enough((10, 15), 100, use, doubt, longest_m=longest_m) is counted
+
+
+@pytest.mark.parametrize(
+    ("hits", "misses", "counted"),
+    [(20, 28, True), (20, 32, False), (12, 17, False), (12, 11, True)],
+)
+def test_many_certain_views_may_be_missed_by_more(hits: int, misses: int, *, counted: bool) -> None:
+    """A chair behind a table is seen from one side of the room; few views of it are not enough."""
+    use = MapperSettings(many_certain=16.0, many_certain_share=0.4)
+    assert enough((hits, misses), 100, use, doubt=1.0) is counted

@@ -44,6 +44,9 @@ def enough(
         doubt: how many of the hits are wrong by the detector's own calibrated scores.
         singles: what one view saw, and no other should have seen, is believed.
         longest_m: side of its box. Detectors that err overlook furniture that is seen in part.
+
+    What many views saw for certain may be missed by more: a chair behind a table is seen from one
+    side of the room only, and nothing that is not there is seen so often.
     """
     hits, misses = counted
     certain = hits - doubt
@@ -52,6 +55,8 @@ def enough(
         least, share = settings.min_certain, settings.min_certain_share
         if longest_m >= FURNITURE_M:
             share = settings.min_certain_share_furniture
+        if certain >= settings.many_certain:
+            share = min(share, settings.many_certain_share)
     if hits < share * (hits + misses):
         return False
     if certain >= least:

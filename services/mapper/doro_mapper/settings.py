@@ -59,6 +59,7 @@ class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
         min_certain, min_certain_share: the same two for what a detector with calibrated scores
             reports; each view counts by its score.
         min_certain_share_furniture: the share for what is longer than 0.6 m.
+        many_certain, many_certain_share: so many views, counted likewise, need this share only.
         few_views: below so many frames one view without a miss makes an instance.
         max_evidence: views listed per instance.
         relation_share: share of its views in which a captioned relation must occur.
@@ -93,6 +94,8 @@ class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
     min_certain: float = 2.5
     min_certain_share: float = 0.5
     min_certain_share_furniture: float = 0.5
+    many_certain: float = 16.0
+    many_certain_share: float = 0.4
     few_views: int = 40
     max_evidence: int = 5
     relation_share: float = 0.3
