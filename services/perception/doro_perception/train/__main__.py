@@ -122,7 +122,8 @@ def pace(name: str, values: Tensor) -> float:
     """Return the share of the rate at which one tensor learns.
 
     The backbones' batch norms are folded into their convolutions, so that some have weights of
-    0.03 and others of 0.4; equal steps would leave the latter nearly as they are.
+    0.03 and others of 0.4; equal steps would leave the latter nearly as they are. The sizes are
+    those that the backbone begins with, so that a resumed run goes on in the same steps.
     """
     if not name.startswith("backbone."):
         return 1.0

@@ -55,6 +55,9 @@ def main() -> None:
     parser.add_argument("--out", type=Path, required=True)
     arguments = parser.parse_args()
     file = f"{arguments.network}.pt"
+    for run in arguments.runs:
+        if not (run / file).exists():
+            raise SystemExit(f"{run} has no {file}: train {arguments.network} with --out {run}")
     averages = [torch.load(run / file, weights_only=True)["average"] for run in arguments.runs]
     shares = arguments.shares or [1.0] * len(averages)
     arguments.out.mkdir(parents=True, exist_ok=True)
