@@ -30,6 +30,7 @@ from doro_mapper.area import Area
 from doro_mapper.core import COUNTERS
 from doro_mapper.existence import enough
 from doro_mapper.finder import Found
+from doro_mapper.sets import completes
 from doro_mapper.settings import MapperSettings
 from doro_nlu.core import Nlu
 from doro_nlu.settings import NluSettings
@@ -103,7 +104,7 @@ def tallies(one: Seen, nlu: Nlu) -> dict[Key, Floats]:
                     min_certain_share=share,
                     min_certain_share_furniture=furniture,
                 )
-                counted = tuple(_thing(item) for item in things if _counts(item, one.room, use))
+                counted = tuple(_thing(item) for item in _believed(things, one.room, use))
                 made = _outcome(one.room, truth, counted, name)
                 found[name, score, views, share, furniture] = tally(made)
     return found
@@ -127,10 +128,23 @@ def _mapped(room: Room, found: Sequence[FrameGraphs], mapper: MapperSettings) ->
     return [item for item in area.find() if item.name in CLASS_OF_NAME and not item.gone]
 
 
-def _counts(item: Found, room: Room, use: MapperSettings) -> bool:
+def _believed(things: Sequence[Found], room: Room, use: MapperSettings) -> list[Found]:
+    """Return what counts under some settings: by itself, or beside others of its class."""
+    alone = [item for item in things if _counts(item, room, use)]
+    kept = list(alone)
+    for item in things:
+        if _counts(item, room, use) or not _counts(item, room, use, of_set=True):
+            continue
+        others = [(other.low_m, other.high_m) for other in alone if other.name == item.name]
+        if completes((item.low_m, item.high_m), others, use):
+            kept.append(item)
+    return kept
+
+
+def _counts(item: Found, room: Room, use: MapperSettings, *, of_set: bool = False) -> bool:
     longest_m = float((item.high_m - item.low_m).max())
-    counted, views = (item.hits, item.misses), len(room.depths)
-    return enough(counted, views, use, item.votes.doubt, longest_m=longest_m)
+    counted, views, doubt = (item.hits, item.misses), len(room.depths), item.votes.doubt
+    return enough(counted, views, use, doubt, longest_m=longest_m, of_set=of_set)
 
 
 def _thing(item: Found) -> Thing:

@@ -35,6 +35,7 @@ def enough(
     *,
     singles: bool = False,
     longest_m: float = 0.0,
+    of_set: bool = False,
 ) -> bool:
     """Tell whether hits against misses make an instance (study, point 7).
 
@@ -44,6 +45,7 @@ def enough(
         doubt: how many of the hits are wrong by the detector's own calibrated scores.
         singles: what one view saw, and no other should have seen, is believed.
         longest_m: side of its box. Detectors that err overlook furniture that is seen in part.
+        of_set: stands beside others of its class that are believed (``sets.py``).
 
     What many views saw for certain may be missed by more: a chair behind a table is seen from one
     side of the room only, and nothing that is not there is seen so often.
@@ -57,6 +59,8 @@ def enough(
             share = settings.min_certain_share_furniture
         if certain >= settings.many_certain:
             share = min(share, settings.many_certain_share)
+        if of_set:
+            share = min(share, settings.set_share)
     if hits < share * (hits + misses):
         return False
     if certain >= least:

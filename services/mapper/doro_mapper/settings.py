@@ -60,6 +60,8 @@ class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
             reports; each view counts by its score.
         min_certain_share_furniture: the share for what is longer than 0.6 m.
         many_certain, many_certain_share: so many views, counted likewise, need this share only.
+        set_things, set_share: where so many things of a class are believed, another one that stands
+            in none of them needs this share only; 0 things: never.
         few_views: below so many frames one view without a miss makes an instance.
         max_evidence: views listed per instance.
         relation_share: share of its views in which a captioned relation must occur.
@@ -96,6 +98,8 @@ class MapperSettings(msgspec.Struct, frozen=True, kw_only=True):
     min_certain_share_furniture: float = 0.5
     many_certain: float = 16.0
     many_certain_share: float = 0.4
+    set_things: int = 2
+    set_share: float = 0.2
     few_views: int = 40
     max_evidence: int = 5
     relation_share: float = 0.3

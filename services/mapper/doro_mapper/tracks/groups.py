@@ -9,13 +9,13 @@ from __future__ import annotations
 import numpy as np
 
 from doro_mapper.boxes import distance
-from doro_mapper.existence import enough, has_gone
+from doro_mapper.existence import has_gone
 from doro_mapper.finder import Found, family
 from doro_mapper.settings import MapperSettings
+from doro_mapper.tracks.belief import Belief
 from doro_mapper.tracks.folding import fold_group
-from doro_mapper.tracks.items import MERGE_RANGE_M, PRUNE_REACH_M, Group, item_of
+from doro_mapper.tracks.items import MERGE_RANGE_M, PRUNE_REACH_M, Group, counted, item_of
 from doro_mapper.tracks.merging import MERGE_FAR_GATE, Cluster
-from doro_mapper.tracks.singles import Singles
 from doro_mapper.tracks.table import Ints, TrackTable
 from doro_mapper.views import Bools, Floats, Views
 from doro_mapper.votes import Votes, merged
@@ -58,7 +58,7 @@ class Groups:
         self._cache: dict[int, Found] = {}
         self._former: dict[int, list[str]] = {}
         self._unfolded: dict[int, None] = {}
-        self._singles = Singles()
+        self._belief = Belief(settings, views, table, votes, self._groups)
 
     def is_loose(self, row: int) -> bool:
         """Tell whether a row stands for itself alone and has no id."""
@@ -211,7 +211,7 @@ class Groups:
 
     def drop(self, row: int) -> None:
         """Forget a track that is about to go; its group falls apart."""
-        self._singles.drop(self._table, row)
+        self._belief.drop(row)
         self._grow()  # a track may go in the frame that opened it
         self._near[row] = self._near[:, row] = False
         self._placed_m[row] = np.inf
@@ -233,27 +233,13 @@ class Groups:
 
     def counted(self, group: Group) -> tuple[int, int]:
         """Return (hits, misses) of a group as of now."""
-        table, rows = self._table, group.item.rows
-        if len(rows) == 1 and group.read is None:
-            return int(table.hits[rows[0]]), int(table.misses[rows[0]])
-        seen = np.asarray(table.seen[rows].any(axis=0))
-        older = int((table.hits[rows] - table.seen[rows].sum(axis=1)).sum())
-        if group.read is not None:
-            seen[: len(group.read)] |= group.read
-        expected = table.expected[rows[: group.item.shaping]].any(axis=0)
-        misses = int((expected & ~seen).sum()) + int(table.old_misses[rows[0]])
-        return int(seen.sum()) + older, misses
-
-    def _enough(self, group: Group, counted: tuple[int, int]) -> bool:
-        item, sure, views = group.item, self._singles.trusted, self._views.total
-        doubt = sum(self._votes[row].doubt for row in item.rows)
-        return enough(counted, views, self._settings, doubt, singles=sure, longest_m=item.longest_m)
+        return counted(group, self._table)
 
     def _number(self) -> None:
         """Give ids to things that now count as instances, in order of their first track."""
         table = self._table
-        self._singles.judge(table, self._groups)
-        least = 1 if self._singles.trusted else self._settings.min_hits
+        self._belief.judge_singles()
+        least = 1 if self._belief.singles_trusted else self._settings.min_hits
         able = (table.hits[: table.n] >= least).tolist()
         long = self._views.total >= self._settings.few_views
         for main in sorted(main for main in self._groups if main not in self._ids):
@@ -262,7 +248,7 @@ class Groups:
             seldom = long and len(rows) == 1 and group.read is None and not able[main]
             if seldom or any(row in self._ids for row in rows):
                 continue
-            if self._enough(group, self.counted(group)):
+            if self._belief.enough(group, self.counted(group)):
                 name = self._votes[main].look()[0].replace(" ", "-")
                 self._counts[name] = self._counts.get(name, 0) + 1
                 self._ids[main] = f"{name}-{self._counts[name]}"
@@ -290,7 +276,7 @@ class Groups:
         if known is None or known.version != (hits, misses, total, changes, *rows):
             known = self._built(group, hits, misses, (hits, misses, total, changes, *rows))
             self._cache[group.main] = known
-        known.tentative = not known.instance_id or not self._enough(group, (hits, misses))
+        known.tentative = not known.instance_id or not self._belief.enough(group, (hits, misses))
         run, empty = min(runs[row] for row in rows), min(empties[row] for row in rows)
         known.gone = has_gone(hits, misses, run if known.small else 0, run, empty)
         return known

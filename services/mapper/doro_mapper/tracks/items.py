@@ -85,6 +85,20 @@ class Group:
         return self.item.rows[0]
 
 
+def counted(group: Group, table: TrackTable) -> tuple[int, int]:
+    """Return (hits, misses) of a group as of now."""
+    rows = group.item.rows
+    if len(rows) == 1 and group.read is None:
+        return int(table.hits[rows[0]]), int(table.misses[rows[0]])
+    seen = np.asarray(table.seen[rows].any(axis=0))
+    older = int((table.hits[rows] - table.seen[rows].sum(axis=1)).sum())
+    if group.read is not None:
+        seen[: len(group.read)] |= group.read
+    expected = table.expected[rows[: group.item.shaping]].any(axis=0)
+    misses = int((expected & ~seen).sum()) + int(table.old_misses[rows[0]])
+    return int(seen.sum()) + older, misses
+
+
 def item_of(row: int, table: TrackTable, votes: Votes) -> Item:
     """Return a track as an item."""
     return Item(
