@@ -15,6 +15,7 @@ from doro_console.options import Common, common_options, says_refusals, talk
 
 if TYPE_CHECKING:
     from doro_evaluation.perception.chain import Chained
+    from doro_evaluation.perception.measure import Measured
     from doro_perception.settings import PerceptionSettings
 
 LOOKING = click.Choice(["captioner", "coco", "onnx"])
@@ -184,9 +185,40 @@ def _counted(
     return figures
 
 
+def _looked_at(
+    settings: PerceptionSettings, chosen: tuple[int, int, int], shared: Path
+) -> list[Measured]:
+    """Look at held-out images and print what was right; ``chosen``: frames, seed and rooms."""
+    from doro_evaluation.perception.measure import figures_of, measure, real, rendered
+    from doro_perception.backends import make_backend
+    from doro_perception.captioner import Captioner
+    from doro_perception.stages import Stages
+
+    detector = make_backend(settings, Stages())
+    assert detector is not None
+    named = detector if isinstance(detector, Captioner) else None
+    sets = {"rendered": rendered(*chosen)}
+    if (shared / "ai2thor_events_boxes").is_dir():
+        sets["real"] = real(shared)
+    else:
+        talk.print(f"{shared} has no ai2thor_events_boxes: rendered rooms only", markup=False)
+    measured = [measure(name, images, detector.detect, named) for name, images in sets.items()]
+    figures = {key: value for one in measured for key, value in figures_of(one).items()}
+    title = f"{settings.backend}, held-out images"
+    table = Table("", *(one.name for one in measured), title=title)
+    table.add_row("images", *(str(one.images) for one in measured))
+    for metric in (*SHOWN, "calibration_error", "top1_given_box", "top3_given_box"):
+        values = [figures.get(f"perception/{one.name}/{metric}", "") for one in measured]
+        table.add_row(metric, *(str(value) for value in values))
+    Console().print(table)
+    return measured
+
+
 @click.command("perception")
 @click.option("--backend", type=LOOKING, default="captioner", show_default=True)
-@click.option("--frames", default=30, show_default=True, help="Of each held-out room.")
+@click.option(
+    "--frames", default=30, show_default=True, help="Of each held-out room; 0: no images."
+)
 @click.option("--rooms", default=0, help="Only the first so many of the held-out rooms.")
 @click.option("--seed", default=7, show_default=True, help="Of copies and views.")
 @click.option("--shared", type=FOLDER, default=Path("../shared/data"), show_default=True)
@@ -216,11 +248,8 @@ def perception(
 ) -> None:
     """Boxes, names, colours and materials on rooms never trained on, and on real frames."""
     from doro_evaluation.figures import write_figures
-    from doro_evaluation.perception.measure import figures_of, measure, real, rendered
+    from doro_evaluation.perception.measure import figures_of
     from doro_evaluation.perception.plot import draw_reliability
-    from doro_perception.backends import make_backend
-    from doro_perception.captioner import Captioner
-    from doro_perception.stages import Stages
 
     settings = msgspec.structs.replace(
         _settings(common, backend, relations=False),
@@ -228,23 +257,9 @@ def perception(
         score_threshold=max(LOW_SCORE, 0.05),
         unnamed_threshold=2.0,
     )
-    detector = make_backend(settings, Stages())
-    assert detector is not None
-    named = detector if isinstance(detector, Captioner) else None
-    sets = {"rendered": rendered(frames, seed, rooms)}
-    if (shared / "ai2thor_events_boxes").is_dir():
-        sets["real"] = real(shared)
-    else:
-        talk.print(f"{shared} has no ai2thor_events_boxes: rendered rooms only", markup=False)
-    measured = [measure(name, images, detector.detect, named) for name, images in sets.items()]
+    measured = _looked_at(settings, (frames, seed, rooms), shared) if frames else []
     figures = {key: value for one in measured for key, value in figures_of(one).items()}
-    table = Table("", *(one.name for one in measured), title=f"{backend}, held-out images")
-    table.add_row("images", *(str(one.images) for one in measured))
-    for metric in (*SHOWN, "calibration_error", "top1_given_box", "top3_given_box"):
-        values = [figures.get(f"perception/{one.name}/{metric}", "") for one in measured]
-        table.add_row(metric, *(str(value) for value in values))
-    Console().print(table)
-    if plot is not None:
+    if plot is not None and measured:
         draw_reliability(plot, {one.name: one.detected.certain for one in measured})
     if chain:
         figures |= _counted(common, backend, chain, views, keep)

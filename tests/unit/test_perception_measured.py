@@ -133,6 +133,16 @@ def test_the_commands_are_there() -> None:
     assert "--chain" in result.output
 
 
+def test_no_frames_means_no_held_out_images(tmp_path: Path) -> None:
+    path = tmp_path / "figures.json"
+    result = CliRunner().invoke(
+        main, ["eval", "perception", "--frames", "0", "--json", str(path)], catch_exceptions=False
+    )
+    assert result.exit_code == 0
+    assert "held-out" not in result.output
+    assert "perception/" not in path.read_text()
+
+
 def thing(kind: str, x_m: float) -> Thing:
     return Thing(object_type=kind, center_m=(x_m, 0.0, 0.0), size_m=(0.1, 0.1, 0.1), views=5)
 
