@@ -201,10 +201,7 @@ def batches(network: str, shards: Shards, size: int, seed: int, trainer: Trainer
             1 + 8 * float(rare[f.kind[~f.ignore & (f.kind >= 0)]].sum()) for f in shards.frames
         ]
         odds["frames"] = shared_out(shards.frames, np.minimum(worth, 6.0))
-        needs = [crops.need(f)[f.kind >= 0] for f in shards.frames]
-        odds["any"] = shared_out(
-            shards.frames, np.array([n.mean() if n.size else 0 for n in needs])
-        )
+        odds["any"] = shared_out(shards.frames, np.ones(len(worth)))
 
     def make(rng: np.random.Generator) -> Any:
         if numbers["made"] % REFRESH_STEPS == 0:

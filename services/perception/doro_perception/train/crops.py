@@ -31,8 +31,6 @@ MINED_SHARE = 0.5
 """How often a box is one that the proposer found, where it found one."""
 PARTLY_SIDE_SHARE = 8 / 300
 """Of the image's side: smaller things that are hidden for the most part are not taught."""
-EASY_SHARE = 0.25
-"""How often a thing that the nets before knew for certain is taken, beside one unknown to them."""
 STRENGTH, STRANGE_SHARE, COARSE_SHARE, COVERED_SHARE = 0.7, 0.15, 0.25, 0.2
 
 
@@ -126,7 +124,7 @@ def batch(
         boxes = frame.box * scale
         good = _taught(frame)
         if len(good):
-            p = odds[frame.kind[good]] * need(frame)[good]
+            p = odds[frame.kind[good]]
             count = min(PER_FRAME, len(good))
             for k in rng.choice(good, count, replace=False, p=p / p.sum()):
                 crop = _jittered(image, *_box_of(frame, int(k), scale, rng), rng, frame.strength)
@@ -149,12 +147,6 @@ def batch(
         torch.tensor(labels[:size]),
         torch.tensor(plain[:size]),
     )
-
-
-def need(frame: Frame) -> NDArray[np.float64]:
-    """Return how much each thing of a frame is worth showing, (boxes,) in EASY_SHARE..1."""
-    doubt = frame.doubt if len(frame.doubt) else np.ones(len(frame.box))
-    return EASY_SHARE + (1 - EASY_SHARE) * doubt.astype(np.float64)
 
 
 def _taught(frame: Frame) -> NDArray[np.int64]:

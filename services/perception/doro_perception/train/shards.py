@@ -30,8 +30,6 @@ class Frame:
         plain: as the evaluation renders; varied: with other furniture than the room has.
         mined: what a proposer takes for things, (n, 4) px; empty where nobody looked.
         mined_of: the row of ``box`` that a proposal shows, or one of ``NOBODY``, ``UNCLEAR``.
-        doubt: what earlier crop nets gave to wrong names of each thing, (boxes,) in 0..1; empty
-            where nobody looked.
     """
 
     jpeg: NDArray[np.uint8]
@@ -44,7 +42,6 @@ class Frame:
     varied: bool = False
     mined: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 4), np.float32))
     mined_of: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
-    doubt: NDArray[np.float32] = field(default_factory=lambda: np.zeros(0, np.float32))
     decoded: list[Image] = field(default_factory=list, compare=False)
 
     @property
@@ -108,12 +105,9 @@ def read_frames(path: Path) -> list[Frame]:
         return frames
     with np.load(mined) as data:
         boxes, ends = data["box"], np.concatenate([[0], data["ends"]])
-        doubts = data["doubt"] if "doubt" in data.files else np.ones(edges[-1], np.float32)
     return [
-        replace(frame, mined=own, mined_of=shown_by(own, frame), doubt=doubt)
-        for frame, own, doubt in zip(
-            frames, np.split(boxes, ends[1:-1]), np.split(doubts, edges[1:-1]), strict=True
-        )
+        replace(frame, mined=own, mined_of=shown_by(own, frame))
+        for frame, own in zip(frames, np.split(boxes, ends[1:-1]), strict=True)
     ]
 
 
