@@ -2,7 +2,7 @@
 
 ``python -m doro_perception.train.calibrate --models DIR --data DIR --calibration DIR`` writes
 ``calibration.json`` into the folder of the models. Rooms of the calibration are in neither the
-training nor the test.
+training nor the test. Without ``--data`` the material prior of the file there stays.
 """
 
 from __future__ import annotations
@@ -16,7 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from doro_perception.backend import intersection_over_union
-from doro_perception.captioner import CALIBRATION, Calibration, Candidates, Captioner, Read
+from doro_perception.captioner import (
+    CALIBRATION,
+    Calibration,
+    Candidates,
+    Captioner,
+    Read,
+    read_calibration,
+)
 from doro_perception.classes import CLASSES, MATERIALS
 from doro_perception.settings import PerceptionSettings
 from doro_perception.train.shards import Frame, Shards
@@ -198,11 +205,15 @@ def main() -> None:
     """Fit and write the calibration."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--models", type=Path, required=True)
-    parser.add_argument("--data", type=Path, required=True, help="training shards, for the prior")
+    parser.add_argument("--data", type=Path, help="training shards, for the prior")
     parser.add_argument("--calibration", type=Path, required=True)
     arguments = parser.parse_args()
-    start = Calibration(material_prior=material_prior(Shards(arguments.data)))
     path = arguments.models / CALIBRATION
+    if arguments.data is None:
+        prior = read_calibration(path).material_prior
+    else:
+        prior = material_prior(Shards(arguments.data))
+    start = Calibration(material_prior=prior)
     path.write_bytes(msgspec.json.format(msgspec.json.encode(start), indent=1) + b"\n")
     captioner = Captioner(PerceptionSettings(captioner=str(arguments.models)))
     frames = Shards(arguments.calibration, "calibration-*.npz").frames
