@@ -13,9 +13,15 @@ from doro_evaluation.dressing.frames import number_of, rooms_of, write_shard
 from doro_evaluation.dressing.labels import Labels
 from doro_evaluation.dressing.varied import LEAST_LONG_M, stretch, varied, varied_scene
 from doro_evaluation.dressing.views import Views
-from doro_perception.captioner import Candidates, Captioner
+from doro_perception.captioner import (
+    CALIBRATION,
+    PACKAGED_FOLDER,
+    Candidates,
+    Captioner,
+    read_calibration,
+)
 from doro_perception.classes import CLASSES, MATERIALS
-from doro_perception.train.calibrate import material_prior
+from doro_perception.train.calibrate import material_prior, prior_of
 from doro_perception.train.mine import mine
 from doro_perception.train.shards import NOBODY, UNCLEAR, Shards, mined_path, read_frames
 from doro_sim_feeder.rooms.copies import CopySpec
@@ -119,6 +125,9 @@ def test_only_rooms_as_they_are_tell_what_is_made_of_what(tmp_path: Path) -> Non
     share = material_prior(Shards(tmp_path))[cup]
     assert share[glass] > 0.5
     assert share[metal] < 0.1
+    shipped = PACKAGED_FOLDER / CALIBRATION
+    assert prior_of(shipped, tmp_path)[cup] == share
+    assert prior_of(shipped, None) == read_calibration(shipped).material_prior
 
 
 def test_other_sizes_find_room_and_leave_what_carries_as_high_as_it_is() -> None:

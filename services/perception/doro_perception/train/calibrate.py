@@ -201,6 +201,15 @@ def _area(raw: Floats, right: NDArray[np.bool_]) -> float:
     return float((precision * ordered).sum())
 
 
+def prior_of(path: Path, data: Path | None) -> tuple[tuple[float, ...], ...]:
+    """Return the material prior of training shards; without them that of a calibration file.
+
+    Raises:
+        Refused: there are no shards, and the file is missing or damaged.
+    """
+    return read_calibration(path).material_prior if data is None else material_prior(Shards(data))
+
+
 def main() -> None:
     """Fit and write the calibration."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -209,11 +218,7 @@ def main() -> None:
     parser.add_argument("--calibration", type=Path, required=True)
     arguments = parser.parse_args()
     path = arguments.models / CALIBRATION
-    if arguments.data is None:
-        prior = read_calibration(path).material_prior
-    else:
-        prior = material_prior(Shards(arguments.data))
-    start = Calibration(material_prior=prior)
+    start = Calibration(material_prior=prior_of(path, arguments.data))
     path.write_bytes(msgspec.json.format(msgspec.json.encode(start), indent=1) + b"\n")
     captioner = Captioner(PerceptionSettings(captioner=str(arguments.models)))
     frames = Shards(arguments.calibration, "calibration-*.npz").frames
