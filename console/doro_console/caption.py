@@ -251,6 +251,8 @@ def perception(
     from doro_evaluation.perception.measure import figures_of
     from doro_evaluation.perception.plot import draw_reliability
 
+    if plot is not None and not frames:
+        raise click.UsageError("--plot draws what was seen on held-out images: give it --frames")
     settings = msgspec.structs.replace(
         _settings(common, backend, relations=False),
         captioner_threshold=LOW_SCORE,
@@ -259,7 +261,7 @@ def perception(
     )
     measured = _looked_at(settings, (frames, seed, rooms), shared) if frames else []
     figures = {key: value for one in measured for key, value in figures_of(one).items()}
-    if plot is not None and measured:
+    if plot is not None:
         draw_reliability(plot, {one.name: one.detected.certain for one in measured})
     if chain:
         figures |= _counted(common, backend, chain, views, keep)

@@ -141,6 +141,9 @@ def test_no_frames_means_no_held_out_images(tmp_path: Path) -> None:
     assert result.exit_code == 0
     assert "held-out" not in result.output
     assert "perception/" not in path.read_text()
+    plot = CliRunner().invoke(main, ["eval", "perception", "--frames", "0", "--plot", str(path)])
+    assert plot.exit_code == 2
+    assert "--plot draws what was seen on held-out images" in plot.output
 
 
 def thing(kind: str, x_m: float) -> Thing:

@@ -130,10 +130,13 @@ def _mapped(room: Room, found: Sequence[FrameGraphs], mapper: MapperSettings) ->
 
 def _believed(things: Sequence[Found], room: Room, use: MapperSettings) -> list[Found]:
     """Return what counts under some settings: by itself, or beside others of its class."""
-    alone = [item for item in things if _counts(item, room, use)]
-    kept = list(alone)
+    alone: list[Found] = []
+    doubted: list[Found] = []
     for item in things:
-        if _counts(item, room, use) or not _counts(item, room, use, of_set=True):
+        (alone if _counts(item, room, use) else doubted).append(item)
+    kept = list(alone)
+    for item in doubted:
+        if not _counts(item, room, use, of_set=True):
             continue
         others = [(other.low_m, other.high_m) for other in alone if other.name == item.name]
         if completes((item.low_m, item.high_m), others, use):

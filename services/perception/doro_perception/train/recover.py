@@ -63,9 +63,9 @@ class Constants:
         """
         found = {}
         for node in self._graph.node:
-            # An Add is the bias of a convolution that was exported as a product of matrices.
-            parts = {"Conv": ("weight", "bias"), "Gemm": ("weight", "bias"), "Add": ("conv.bias",)}
-            for part, name in zip(parts.get(node.op_type, ()), node.input[1:3], strict=False):
+            if node.op_type not in ("Conv", "Gemm"):
+                continue
+            for part, name in zip(("weight", "bias"), node.input[1:3], strict=False):
                 values = self[name]
                 if values is not None:
                     found[f"{module_of(node.name)}.{part}"] = values
@@ -124,12 +124,13 @@ def measure_norms(model: nn.Module, shards: Shards) -> None:
     same as before, in training as well.
     """
     norms = [item for item in model.modules() if isinstance(item, nn.BatchNorm2d)]
-    sums = {norm: torch.zeros(3, norm.num_features, dtype=torch.float64) for norm in norms}
+    sums = {norm: torch.zeros(2, norm.num_features, dtype=torch.float64) for norm in norms}
+    counts = dict.fromkeys(norms, 0)
 
     def note(norm: nn.Module, given: tuple[Tensor, ...]) -> None:
         x = given[0].double()
-        sums[norm] += torch.stack([x.sum((0, 2, 3)), (x * x).sum((0, 2, 3)), 0 * x[0, :, 0, 0]])
-        sums[norm][2] += x.numel() / x.shape[1]
+        sums[norm] += torch.stack([x.sum((0, 2, 3)), (x * x).sum((0, 2, 3))])
+        counts[norm] += x.numel() // x.shape[1]
 
     hooks = [norm.register_forward_pre_hook(note) for norm in norms]
     rng = np.random.default_rng(SEED)
@@ -140,9 +141,9 @@ def measure_norms(model: nn.Module, shards: Shards) -> None:
             model(scaled(images))
     for hook in hooks:
         hook.remove()
-    for norm, (total, squares, count) in sums.items():
-        mean = total / count
-        spread = squares / count - mean * mean
+    for norm, both in sums.items():
+        mean, squares = both / counts[norm]
+        spread = squares - mean * mean
         norm.running_mean.copy_(mean)
         norm.running_var.copy_(spread)
         norm.weight.data.copy_((spread + norm.eps).sqrt())
@@ -156,12 +157,18 @@ def main() -> None:
     parser.add_argument("--data", type=Path, required=True, help="training frames")
     parser.add_argument("--out", type=Path, required=True)
     arguments = parser.parse_args()
+    for file in sorted(set(FILES.values())):
+        if not (arguments.models / file).exists():
+            raise SystemExit(f"{arguments.models} has no {file}: give a folder of the captioner")
+    shards = Shards(arguments.data)
+    if not shards.frames:
+        raise SystemExit(f"{arguments.data} has no frames: render some by dressing.frames first")
     arguments.out.mkdir(parents=True, exist_ok=True)
     torch.set_num_threads(1)
     for network in PREFIXES:
         model = recovered(network, arguments.models)
         if network == "proposer":
-            measure_norms(model, Shards(arguments.data))
+            measure_norms(model, shards)
         torch.save({"average": model.state_dict()}, arguments.out / f"{network}.pt")
         print(f"{network}: {sum(p.numel() for p in model.parameters()):,} weights", flush=True)
 
